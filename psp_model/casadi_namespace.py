@@ -1,0 +1,42 @@
+"""The few array functions that the model uses, for CasADi's column vectors (ours)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi
+
+
+def where(condition: Any, yes: Any, no: Any) -> Any:
+    """`yes` where `condition` holds, else `no`, element by element; both are evaluated."""
+    return casadi.if_else(condition, yes, no)
+
+
+def maximum(a: Any, b: Any) -> Any:
+    """The larger of `a` and `b`, element by element."""
+    return casadi.fmax(a, b)
+
+
+def minimum(a: Any, b: Any) -> Any:
+    """The smaller of `a` and `b`, element by element."""
+    return casadi.fmin(a, b)
+
+
+def concat(parts: list[Any]) -> Any:
+    """`parts` one below the other."""
+    return casadi.vertcat(*parts)
+
+
+def sum(vector: Any, axis: int = 0) -> Any:
+    """The sum over the vehicles."""
+    return casadi.sum1(vector)
+
+
+def min(vector: Any, axis: int = 0) -> Any:
+    """The smallest over the vehicles."""
+    return casadi.mmin(vector)
+
+
+def abs(vector: Any) -> Any:
+    """The absolute value, element by element."""
+    return casadi.fabs(vector)

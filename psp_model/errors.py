@@ -1,0 +1,48 @@
+"""The one exception of the model, and the sentences it carries.
+
+Every sentence says value, unit, limit and remedy.  They are printf formats so that the native FMU, which has
+no Python, prints the same words: `fmu_src` copies this table into its C sources.
+"""
+
+SENTENCES = {
+    "finite": "%s must be a finite number, not %.10g: give it a value in %s",
+    "L": "L = %.10g m must be positive: it is the smallest allowable gap, give it a length above 0 m",
+    "lambda": "lambda = %.10g m must exceed L + 3 m = %.10g m: the hill is 3 m wide and lies between L and lambda, "
+    "raise lambda or lower L",
+    "v_max": "v_max = %.10g m/s must be positive: it is the speed limit, give it a speed above 0 m/s",
+    "v_star": "v_star = %.10g m/s must lie strictly between 0 m/s and v_max = %.10g m/s: lower v_star or raise v_max",
+    "epsilon": "epsilon = %.10g m/s2 must be positive: it is the width over which f is smoothed, give it a value above 0 m/s2",
+    "mu": "mu = %.10g 1/s must be positive: it is the smallest feedback gain, give it a value above 0 1/s",
+    "z": "z = %.10g m/s2 must be positive: it limits |V_new'| on the hill, give it a value above 0 m/s2",
+    "w1": "w1 = %.10g must not be negative: it weighs acceleration in J, give it 0 or more",
+    "w2": "w2 = %.10g must not be negative: it weighs the gaps in J, give it 0 or more",
+    "a_ref": "a_ref = %.10g m/s2 must be positive: it scales acceleration in J, give it a value above 0 m/s2",
+    "s_ref": "s_ref = %.10g m must be positive: it scales the gaps in J, give it a length above 0 m",
+    "T": "T = %.10g s must be positive: it is the sampling period, give it a time above 0 s",
+    "alpha": "alpha = %.10g must lie in [%.10g, %.10g]: choose alpha inside these bounds",
+    "r": "r = %.10g m must exceed L = %.10g m and not exceed lambda - 3 m = %.10g m: choose r inside these bounds",
+    "p": "p = %.10g must lie in [%.10g, %.10g]: choose p inside these bounds",
+    "slope": "max |V_new'| = %.10g m/s2 on [r, r + 3 m] for alpha = %.10g, r = %.10g m, p = %.10g must not exceed "
+    "z = %.10g m/s2: lower p, raise r or raise z",
+    "empty": "no alpha, r, p keeps max |V_new'| on the hill below z = %.10g m/s2: raise z or widen lambda - L",
+    "vehicles": "%d vehicles are too few: a platoon has at least 2",
+    "shape": "%d gaps and %d speeds do not belong to one platoon: n vehicles have n - 1 gaps and n speeds",
+    "gap": "gap s[%d] = %.10g m must exceed L = %.10g m: start the vehicles further apart or lower L",
+    "speed": "speed v[%d] = %.10g m/s must lie in [0, %.10g] m/s: start vehicle %d slower than v_max and not backwards",
+    "lemma1_gap": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1): vehicle %d could close its gap "
+    "s[%d] = %.10g m to L = %.10g m at v_max = %.10g m/s within T; choose T < %.10g s, or lemma1_policy 3",
+    "lemma1_fast": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1): vehicle %d, at v[%d] = %.10g m/s "
+    "with a[%d] = %.10g m/s2, would reach v_max = %.10g m/s within T; choose T < %.10g s, or lemma1_policy 3",
+    "lemma1_slow": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1): vehicle %d, at v[%d] = %.10g m/s "
+    "with a[%d] = %.10g m/s2, would come to a stop, %.10g m/s, within T; choose T < %.10g s, or lemma1_policy 3",
+    "short_periods": "more than max_short_periods = %d short sampling periods in one communication step, at t = %.10g s "
+    "with T_max = %.10g s: raise max_short_periods, take shorter communication steps, or start further from L",
+}
+
+
+class ModelError(ValueError):
+    """A value outside the model's domain; the message is one sentence with value, unit, limit and remedy."""
+
+    def __init__(self, key: str, *values: object):
+        super().__init__(SENTENCES[key] % values)
+        self.key = key

@@ -1,0 +1,22 @@
+"""Which array library an array belongs to, so that the model is written once for NumPy, JAX and CasADi."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+
+def array_namespace(array: Any) -> Any:
+    """The namespace (`where`, `maximum`, `sum`, ...) of the library that `array` comes from.
+
+    NumPy and JAX arrays name theirs themselves (Python array API standard); CasADi symbols are served by an adapter;
+    plain numbers and lists are NumPy's.
+    """
+    if hasattr(array, "__array_namespace__"):
+        return array.__array_namespace__()
+    if type(array).__module__.startswith("casadi"):
+        from . import casadi_namespace
+
+        return casadi_namespace
+    return np

@@ -1,0 +1,35 @@
+"""The exact sampled-data model: what a constant acceleration does to gaps and speeds (paper, eq. 10)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+
+def relative(y: Any) -> Any:
+    """y_{i-1} - y_i: (n, ...) per vehicle becomes (n-1, ...) per gap."""
+    return y[:-1] - y[1:]
+
+
+def advance(s: Any, v: Any, a: Any, tau: Any) -> tuple[Any, Any]:
+    """Gaps and speeds a time tau after a sampling instant, exactly.
+
+    s(tau) = s + tau Dv + tau^2/2 Da and v(tau) = v + tau a, with D the difference between vehicle i-1 and vehicle i.
+    Gaps are integrated rather than positions, so that they keep their precision however far the platoon drives (ours).
+
+    Parameters
+    ----------
+    s : (n-1, ...) array, gaps [m]
+    v : (n, ...) array, speeds [m/s]
+    a : (n, ...) array, accelerations held since the sampling instant [m/s2]
+    tau : time since the sampling instant [s]
+
+    Returns
+    -------
+    s, v : arrays of the same shapes, a time tau later [m], [m/s]
+    """
+    return s + tau * (relative(v) + 0.5 * tau * relative(a)), v + tau * a
+
+
+def travelled(v: Any, a: Any, tau: Any) -> Any:
+    """Distance tau v + tau^2/2 a that each vehicle covers in a time tau [m] (paper, eq. 10)."""
+    return tau * (v + 0.5 * tau * a)
