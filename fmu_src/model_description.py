@@ -1,0 +1,141 @@
+"""modelDescription.xml from the table of variables."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+from .variables import Variable
+
+BASE_UNITS: dict[str, dict[str, int]] = {
+    "1": {},
+    "m": {"m": 1},
+    "s": {"s": 1},
+    "m/s": {"m": 1, "s": -1},
+    "m/s2": {"m": 1, "s": -2},
+    "1/s": {"s": -1},
+}
+
+LOG_CATEGORIES = {
+    "logStatusWarning": "Messages that come with fmi2Warning",
+    "logStatusDiscard": "Messages that come with fmi2Discard",
+    "logStatusError": "Messages that come with fmi2Error",
+    "logStatusFatal": "Messages that come with fmi2Fatal",
+    "logAll": "All messages",
+}
+
+
+@dataclass(frozen=True)
+class Component:
+    """What modelDescription.xml says beyond its variables.
+
+    Attributes
+    ----------
+    name : model name and model identifier
+    description : one sentence
+    version : of the project
+    guid : identifies the content of the FMU
+    generation_tool : who made it
+    capabilities : attributes of CoSimulation that are true
+    source_files : C sources to compile, relative to sources/
+    stop_time, step_size : of the default experiment [s]
+    """
+
+    name: str
+    description: str
+    version: str
+    guid: str
+    generation_tool: str = "psp-platoon"
+    capabilities: tuple[str, ...] = ()
+    source_files: tuple[str, ...] = ()
+    stop_time: float = 20.0
+    step_size: float = 0.01
+
+
+def _number(value: float, integer: bool) -> str:
+    """The shortest text that reads back as the same number."""
+    return str(int(value)) if integer else repr(float(value))
+
+
+def _unit_definitions(root: Element, table: Sequence[Variable]) -> None:
+    definitions = SubElement(root, "UnitDefinitions")
+    for unit in dict.fromkeys(variable.unit for variable in table if not variable.integer):
+        exponents = {base: str(power) for base, power in BASE_UNITS[unit].items()}
+        SubElement(SubElement(definitions, "Unit", name=unit), "BaseUnit", exponents)
+
+
+def _scalar_variable(parent: Element, reference: int, variable: Variable) -> None:
+    attributes = {
+        "name": variable.name,
+        "valueReference": str(reference),
+        "description": variable.description,
+        "causality": variable.causality,
+        "variability": variable.variability,
+        "initial": variable.initial,
+    }
+    kind = {} if variable.integer else {"unit": variable.unit}
+    bounds = {"min": variable.minimum, "max": variable.maximum, "nominal": variable.nominal, "start": variable.start}
+    kind |= {name: _number(value, variable.integer) for name, value in bounds.items() if value is not None}
+    SubElement(SubElement(parent, "ScalarVariable", attributes), variable.fmi_type, kind)
+
+
+def _model_structure(root: Element, table: Sequence[Variable]) -> None:
+    """Outputs depend on no input; their initial values depend on the parameters that the table names."""
+    structure = SubElement(root, "ModelStructure")
+    outputs, unknowns = SubElement(structure, "Outputs"), SubElement(structure, "InitialUnknowns")
+    index = {variable.name: place for place, variable in enumerate(table, start=1)}
+    parameters = [name for name, place in index.items() if table[place - 1].causality == "parameter"]
+    for variable in table:
+        if variable.causality != "output":
+            continue
+        known = parameters if variable.initial_dependencies is None else variable.initial_dependencies
+        place = str(index[variable.name])
+        SubElement(outputs, "Unknown", index=place, dependencies="")
+        SubElement(unknowns, "Unknown", index=place, dependencies=" ".join(str(index[name]) for name in known))
+
+
+def model_description(component: Component, table: Sequence[Variable]) -> bytes:
+    """modelDescription.xml, FMI 2.0 co-simulation.
+
+    Parameters
+    ----------
+    component : names, versions and capabilities
+    table : the variables; value references are places in the table
+
+    Returns
+    -------
+    the file's content, UTF-8; the same for the same arguments
+    """
+    root = Element(
+        "fmiModelDescription",
+        fmiVersion="2.0",
+        modelName=component.name,
+        guid=component.guid,
+        description=component.description,
+        author="The psp-platoon authors",
+        version=component.version,
+        copyright="Copyright (c) 2026 The psp-platoon authors",
+        license="MIT",
+        generationTool=f"{component.generation_tool} {component.version}",
+        variableNamingConvention="structured",
+    )
+    capabilities = {"canHandleVariableCommunicationStepSize": "true"} | dict.fromkeys(component.capabilities, "true")
+    simulation = SubElement(root, "CoSimulation", {"modelIdentifier": component.name} | capabilities)
+    if component.source_files:
+        files = SubElement(simulation, "SourceFiles")
+        for name in component.source_files:
+            SubElement(files, "File", name=name)
+    _unit_definitions(root, table)
+    categories = SubElement(root, "LogCategories")
+    for name, description in LOG_CATEGORIES.items():
+        SubElement(categories, "Category", name=name, description=description)
+    SubElement(
+        root, "DefaultExperiment", startTime="0.0", stopTime=repr(component.stop_time), stepSize=repr(component.step_size)
+    )
+    variables = SubElement(root, "ModelVariables")
+    for reference, variable in enumerate(table):
+        _scalar_variable(variables, reference, variable)
+    _model_structure(root, table)
+    indent(root)
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8") + b"\n"
