@@ -1,0 +1,101 @@
+"""What all figures share: colours that colour-blind people can tell apart, captions, and files on disk."""
+
+from __future__ import annotations
+
+import textwrap
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+from matplotlib import colormaps
+from matplotlib.figure import Figure
+
+OKABE_ITO = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#F0E442")
+"""The palette of Okabe and Ito (2008); yellow comes last because it is hard to see on white."""
+
+LINE_STYLES = ("-", "--", ":", "-.")
+
+RC: Any = {
+    "font.size": 9,
+    "axes.titlesize": 9,
+    "axes.grid": True,
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "lines.linewidth": 1.4,
+    "legend.frameon": False,
+    "svg.hashsalt": "psp-platoon",  # the same picture gives the same file
+    "pdf.fonttype": 42,
+}
+
+
+def colours(count: int) -> list[str]:
+    """`count` colours: the palette where it suffices, else a walk through cividis, which colour-blind people read too.
+
+    Parameters
+    ----------
+    count : number of lines to tell apart
+
+    Returns
+    -------
+    colours as hexadecimal strings
+    """
+    if count < len(OKABE_ITO):
+        return list(OKABE_ITO[:count])
+    cividis = colormaps["cividis"]
+    return [matplotlib.colors.to_hex(cividis(i / max(count - 1, 1) * 0.92)) for i in range(count)]
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure in the common style, apart from pyplot's global state.
+
+    Parameters
+    ----------
+    width, height : size in inches
+    """
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def caption(figure: Figure, text: str, command: str) -> None:
+    """Put what is shown, and the command that shows it, below a figure.
+
+    Parameters
+    ----------
+    figure : the figure
+    text : one or two sentences
+    command : the command that makes this very picture
+    """
+    width = int(figure.get_figwidth() * 17)
+    lines = textwrap.wrap(text, width) + textwrap.wrap("$ " + command, width, break_on_hyphens=False)
+    # not mathtext: a command may hold dollar signs
+    figure.supxlabel("\n".join(lines), x=0.01, ha="left", fontsize=7.5, color="#444444", parse_math=False)
+
+
+def save(figure: Figure, path: str | Path, command: str = "") -> list[Path]:
+    """Write a figure as PNG and as SVG (or, where `path` ends in .pdf, as PNG and PDF), side by side.
+
+    Parameters
+    ----------
+    figure : the figure
+    path : where to; the suffix is replaced, missing folders are made
+    command : noted in the files' metadata
+
+    Returns
+    -------
+    the files written
+    """
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    vector = ".pdf" if path.suffix == ".pdf" else ".svg"
+    written = [path.with_suffix(".png"), path.with_suffix(vector)]
+    metadata: dict[str, dict[str, Any]] = {
+        ".png": {"Description": command},
+        ".svg": {"Date": None, "Description": command},
+        ".pdf": {"CreationDate": None, "Subject": command},
+    }
+    with matplotlib.rc_context(RC):
+        for file in written:
+            figure.savefig(file, dpi=150, metadata=metadata[file.suffix])
+    return written
