@@ -148,9 +148,33 @@ class SampledPlatoon:
         start = self.start
         self._sample(0, 0.0, start.x_leader, start.s, start.v, 0, np.zeros(2))
 
+    @classmethod
+    def resume(
+        cls,
+        start: PlatoonState,
+        shape: PotentialParameters,
+        weights: ObjectiveWeights,
+        sampling: Sampling,
+        now: Instant,
+    ) -> SampledPlatoon:
+        """The platoon that had come to the instant `now`; its future is that of the original, bit for bit (ours).
+
+        Parameters
+        ----------
+        start, shape, weights, sampling, now : the attributes of the original; `warn` has to be set again
+        """
+        platoon = cls.__new__(cls)
+        platoon.start, platoon.shape, platoon.weights, platoon.sampling = start, shape, weights, sampling
+        platoon.warn = lambda sentence: None
+        platoon.now = now
+        return platoon
+
     def _sample(self, period: int, fraction: float, x: float, s: Vector, v: Vector, violations: int, cost: Any) -> None:
         """Compute the feedback and Lemma 1 at a sampling instant and make it `now`."""
         constants, T, policy = self.start.constants, self.sampling.T, self.sampling.policy
+        if not (s > constants.L).all():  # under policy 2 only: the certificate was overridden
+            i = int(np.argmin(s))
+            raise ModelError("left_gap", i + 2, s[i], constants.L, (period + fraction) * T)
         a = feedback(s, v, self.shape, constants)
         T_max = float(largest_period(s, v, a, constants))
         certified = T < T_max

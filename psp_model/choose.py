@@ -1,0 +1,115 @@
+"""Which potential a platoon runs with: a fixed triple, the network's answer, or the best of its candidates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+
+from .errors import ModelError
+from .feasible import project, require_feasible
+from .network import ParameterNetwork
+from .parameters import BEST_FIXED, V_OLD, ObjectiveWeights, PlatoonParameters, PotentialParameters
+from .platoon import Sampling
+from .rollout import best_by_rollout
+from .state import PlatoonState, StartDomain
+
+
+class ParameterSource(IntEnum):
+    """Where alpha, r, p come from."""
+
+    NETWORK = 1
+    FIXED = 2
+    ROLLOUT = 3
+
+
+@dataclass(frozen=True)
+class Request:
+    """What the user asks for.
+
+    Attributes
+    ----------
+    old : V_old instead of V_new
+    source : where alpha, r, p come from
+    fixed : the triple for source FIXED, and the fallback of the others
+    rollouts : most rollouts with source ROLLOUT
+    horizon : of the rollouts [s]
+
+    Raises
+    ------
+    ModelError : where the horizon is not positive and finite
+    """
+
+    old: bool = False
+    source: ParameterSource = ParameterSource.NETWORK
+    fixed: PotentialParameters = BEST_FIXED
+    rollouts: int = 16
+    horizon: float = 20.0
+
+    def __post_init__(self) -> None:
+        if not 0 < self.horizon < float("inf"):
+            raise ModelError("horizon", self.horizon)
+
+
+def outside_domain(start: PlatoonState, domain: StartDomain, constants: PlatoonParameters) -> str | None:
+    """Why a network's answer does not hold for a start, or None if it does (ours).
+
+    Parameters
+    ----------
+    start : initial state, with its constants
+    domain, constants : what the network was trained for
+
+    Returns
+    -------
+    the reason, to go into a sentence
+    """
+    if start.constants != constants:
+        return "other constants than the network was trained with"
+    if not domain.contains(start.s, start.v):
+        return "gaps or speeds outside the network's training domain"
+    return None
+
+
+def choose_potential(
+    start: PlatoonState,
+    request: Request,
+    network: ParameterNetwork | None,
+    weights: ObjectiveWeights,
+    sampling: Sampling,
+    warn: Callable[[str], None],
+) -> PotentialParameters:
+    """The potential for a start (paper, section IV, except the fallback and the rollouts, which are ours).
+
+    Parameters
+    ----------
+    start : initial state
+    request : what the user asks for
+    network : the network for this number of vehicles, None if there is none
+    weights, sampling : what rollouts are judged by
+    warn : called with one sentence where the fallback is used
+
+    Returns
+    -------
+    a feasible triple, or V_old
+
+    Raises
+    ------
+    ModelError : where a fixed triple is not feasible or a network is asked for and missing or unreadable
+    """
+    if request.old:
+        return V_OLD
+    if request.source is ParameterSource.FIXED:
+        require_feasible(request.fixed, start.constants)
+        return request.fixed
+    if network is None:
+        raise ModelError("no_network", start.v.size)
+    reason = outside_domain(start, network.domain, network.constants)
+    if reason is not None:
+        require_feasible(request.fixed, start.constants)
+        fixed = request.fixed
+        warn(ModelError("fallback", reason, fixed.alpha, fixed.r, fixed.p).args[0])
+        return fixed
+    if request.source is ParameterSource.NETWORK:
+        return project(network.evaluate(start.s, start.v), start.constants)
+    candidates = network.candidates(start.s, start.v, request.rollouts)
+    return best_by_rollout(start, candidates, weights, sampling, request.horizon)
