@@ -58,7 +58,10 @@ def read_csv(path: str | Path) -> Any:
     with open(path, encoding="utf-8") as file:
         names = [name.strip().strip('"') for name in file.readline().split(",")]
         table = np.loadtxt(file, delimiter=",", ndmin=2)
-    return np.rec.fromarrays(list(table.T), names=names)
+    result = np.empty(len(table), dtype=[(name, float) for name in names])
+    for name, column in zip(names, table.T, strict=True):
+        result[name] = column
+    return result
 
 
 def write_csv(path: str | Path, result: Any) -> None:

@@ -1,0 +1,47 @@
+"""The registry of `psp`'s commands.
+
+The modules imported here import nothing but typer at their top, so that `psp --help` is quick: what a command needs is
+imported inside its function.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import typer
+from typer.core import TyperGroup
+
+from . import figures
+from .bad_input import BadInput
+
+
+class Commands(TyperGroup):
+    """All commands; bad input ends in one sentence on stderr and exit code 2, never in a traceback."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command that was asked for."""
+        try:
+            return super().invoke(ctx)
+        except (BadInput, ValueError) as error:
+            from psp_model.errors import ModelError
+
+            if not isinstance(error, BadInput | ModelError):
+                raise
+            typer.echo(f"psp: {error}", err=True)
+            raise typer.Exit(2) from None
+
+
+app = typer.Typer(
+    cls=Commands,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # plain help: importing rich would more than double the time to show it
+)
+
+
+@app.callback()
+def psp() -> None:
+    """A vehicle platoon with performance-sensitive potentials: build, run, certify, see and train it."""
+
+
+app.command("figures")(figures.figures)
