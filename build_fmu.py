@@ -1,0 +1,50 @@
+"""Build the platoon FMU: `python build_fmu.py --vehicles 7 --output dist`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from fmu_src.python_runtime import build_python_fmu, network_for
+from psp_model import ModelError
+
+
+def parse(arguments: list[str] | None) -> argparse.Namespace:
+    """The command line.
+
+    Parameters
+    ----------
+    arguments : without the program's name; None for those of the process
+    """
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--vehicles", type=int, default=7, metavar="N", help="number of vehicles, at least 2 (default 7)")
+    parser.add_argument("--output", type=Path, default=Path("dist"), metavar="DIR", help="folder to write to (default dist)")
+    parser.add_argument("--network", type=Path, metavar="FILE", help="ONNX network to use instead of onnx/platoon_N.onnx")
+    return parser.parse_args(arguments)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Build what the command line asks for and say what was built.
+
+    Returns
+    -------
+    exit code: 0, or 2 where the command line or a file is at fault
+    """
+    options = parse(arguments)
+    try:
+        if options.vehicles < 2:
+            raise ModelError("vehicles", options.vehicles)
+        network = network_for(options.vehicles, options.network)
+        path = build_python_fmu(options.vehicles, options.output, network)
+    except (ModelError, OSError) as error:
+        print(f"build_fmu.py: {error}", file=sys.stderr)
+        return 2
+    print(f"{path}: {options.vehicles} vehicles, {path.stat().st_size / 1024:.0f} KiB")
+    if network is None:
+        print(f"There is no network for {options.vehicles} vehicles, so parameter_source starts at 2: alpha_fixed, r_fixed, p_fixed.")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,74 @@
+"""The pages inside the FMU: what it is, its variables, what it needs, its licences."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+
+from .model_description import Component
+from .variables import Variable
+
+_STYLE = """
+:root { color-scheme: light dark; }
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 70rem; margin: 2rem auto; padding: 0 1rem; }
+table { border-collapse: collapse; width: 100%; font-size: 0.9rem; }
+th, td { text-align: left; padding: 0.25rem 0.6rem; border-bottom: 1px solid #8884; vertical-align: top; }
+td.n { text-align: right; font-variant-numeric: tabular-nums; }
+.wide { overflow-x: auto; }
+code { font-size: 0.95em; }
+"""
+
+
+def _cell(value: float | None) -> str:
+    return f'<td class="n">{"" if value is None else format(value, ".10g")}</td>'
+
+
+def _row(variable: Variable) -> str:
+    kind = f"{variable.causality}, {variable.variability}" + (", Integer" if variable.integer else "")
+    numbers = "".join(_cell(value) for value in (variable.start, variable.minimum, variable.maximum))
+    return (
+        f"<tr><td><code>{escape(variable.name)}</code></td><td>{kind}</td><td>{escape(variable.unit)}</td>"
+        f"{numbers}<td>{escape(variable.description)}</td></tr>"
+    )
+
+
+def variable_table(table: Sequence[Variable]) -> str:
+    """The variables as an HTML table.
+
+    Parameters
+    ----------
+    table : the variables
+    """
+    head = "<tr><th>name</th><th>kind</th><th>unit</th><th>start</th><th>min</th><th>max</th><th>meaning</th></tr>"
+    return f'<div class="wide"><table>{head}\n' + "\n".join(map(_row, table)) + "\n</table></div>"
+
+
+def index_page(component: Component, vehicles: int, table: Sequence[Variable], notes: Sequence[str]) -> bytes:
+    """documentation/index.html.
+
+    Parameters
+    ----------
+    component : names and versions
+    vehicles : n
+    table : the variables
+    notes : paragraphs on the network and on what the FMU needs from outside
+    """
+    paragraphs = "\n".join(f"<p>{escape(note)}</p>" for note in notes)
+    return f"""<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{component.name} {component.version}</title><style>{_STYLE}</style></head><body>
+<h1>{component.name} <small>{component.version}, {vehicles} vehicles</small></h1>
+<p>{escape(component.description)}.</p>
+{paragraphs}
+<h2>Sampling</h2>
+<p>The feedback is sampled every <code>T</code> seconds by the FMU's own clock, beginning at the start time. A communication step
+may be <code>T</code>, a multiple of it, any part of it, or 0: what happens at the sampling instants does not depend on it, and
+between them the outputs follow the exact polynomials. At a communication point that is a sampling instant the outputs
+are those just after sampling.</p>
+<h2>Errors</h2>
+<p>A value that the model is not defined for ends in <code>fmi2Error</code> and one logged sentence that names the variable, its
+value, the limit and the remedy. The instance can then be reset and run again.</p>
+<h2>Variables</h2>
+{variable_table(table)}
+</body></html>
+""".encode()

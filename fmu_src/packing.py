@@ -1,0 +1,64 @@
+"""An FMU as one file: the same content always gives the same bytes."""
+
+from __future__ import annotations
+
+import os
+import zipfile
+from collections.abc import Mapping
+from hashlib import sha256
+from pathlib import Path
+from tempfile import NamedTemporaryFile
+
+_EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest time a zip file can hold: builds carry no clock
+
+
+def content_digest(files: Mapping[str, bytes]) -> str:
+    """SHA-256 over names and contents, as hexadecimal text.
+
+    Parameters
+    ----------
+    files : content by name
+    """
+    digest = sha256()
+    for name in sorted(files):
+        digest.update(f"{name}\0{len(files[name])}\0".encode())
+        digest.update(files[name])
+    return digest.hexdigest()
+
+
+def guid_of(digest: str) -> str:
+    """A GUID that is the same for the same content, in the form FMI tools expect.
+
+    Parameters
+    ----------
+    digest : from `content_digest`
+    """
+    return f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
+
+
+def write_fmu(path: Path, files: Mapping[str, bytes]) -> None:
+    """Write the archive, whole or not at all; modelDescription.xml comes first, as readers that stream like it.
+
+    Parameters
+    ----------
+    path : of the FMU; its folder is made if it is missing
+    files : content by name inside the archive
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    order = sorted(files, key=lambda name: (name != "modelDescription.xml", name))
+    with NamedTemporaryFile(dir=path.parent, prefix=path.name, suffix=".part", delete=False) as part:
+        try:
+            with zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+                for name in order:
+                    info = zipfile.ZipInfo(name, _EPOCH)
+                    info.compress_type = zipfile.ZIP_DEFLATED
+                    info.create_system = 3  # Unix, on every system
+                    info.external_attr = 0o644 << 16
+                    archive.writestr(info, files[name])
+            part.close()
+            os.chmod(part.name, 0o644)
+            os.replace(part.name, path)
+        except BaseException:
+            part.close()
+            os.unlink(part.name)
+            raise

@@ -1,0 +1,185 @@
+"""`PspPlatoon.fmu`: the model in Python, run by pythonfmu's library behind our launcher."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass
+from importlib.metadata import distribution, version
+from importlib.resources import files
+from pathlib import Path
+
+import psp_model
+from psp_model.network import ParameterNetwork
+
+from .documentation import index_page
+from .model_description import Component, model_description
+from .packing import content_digest, guid_of, write_fmu
+from .platoon_slave import CONFIG
+from .variables import Variable, platoon_table
+
+NAME = "PspPlatoon"
+DESCRIPTION = "A platoon of automated vehicles on one lane under sampled-data feedback from performance-sensitive potentials"
+_SLAVE_FILES = ("__init__.py", "variables.py", "slave_state.py", "platoon_slave.py")
+_LAUNCHERS = {"linux64": "psp_launcher.so", "win64": "psp_launcher.dll"}
+_OWN_IMPORT = re.compile(r"^(\s*(?:from|import) )(psp_model|fmu_src)\b", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class NetworkFile:
+    """The network that goes into an FMU, with what its metadata says.
+
+    Attributes
+    ----------
+    name : file name inside resources/
+    content : the file
+    domain, constants : what it was trained for
+    """
+
+    name: str
+    content: bytes
+    domain: dict[str, float]
+    constants: dict[str, float]
+
+
+def network_for(vehicles: int, path: Path | None = None) -> NetworkFile | None:
+    """The network for n vehicles: the given file, else onnx/platoon_n.onnx of this project, else None.
+
+    Parameters
+    ----------
+    vehicles : n
+    path : a network of the user's own
+
+    Raises
+    ------
+    ModelError : where a file is unreadable or made for another number of vehicles
+    """
+    if path is None:
+        path = Path(__file__).parents[1] / "onnx" / f"platoon_{vehicles}.onnx"
+        if not path.exists():
+            return None
+    network = ParameterNetwork(path)
+    network.require_vehicles(vehicles)
+    return NetworkFile(path.name, path.read_bytes(), network.domain.as_dict(), dict(vars(network.constants)))
+
+
+def _model_sources() -> dict[str, bytes]:
+    """The Python files of the model and of the slave, by name."""
+    model, slave = Path(psp_model.__file__).parent, Path(__file__).parent
+    found = {f"psp_model/{path.name}": path.read_bytes() for path in sorted(model.glob("*.py"))}
+    return found | {f"fmu_src/{name}": (slave / name).read_bytes() for name in _SLAVE_FILES}
+
+
+def _renamed(sources: dict[str, bytes], suffix: str) -> dict[str, bytes]:
+    """The same files as packages of their own name.
+
+    Two FMUs in one process share Python's table of modules: were the packages called alike, the second FMU would run
+    the first one's code.
+    """
+    renamed = {}
+    for name, content in sources.items():
+        package, file = name.split("/")
+        text = _OWN_IMPORT.sub(rf"\g<1>\g<2>_{suffix}", content.decode())
+        renamed[f"resources/{package}_{suffix}/{file}"] = text.encode()
+    return renamed
+
+
+def _pythonfmu_files() -> dict[str, bytes]:
+    """pythonfmu's Python files, and its library for each platform that we have a launcher for."""
+    package = files("pythonfmu")
+    found = {f"resources/pythonfmu/{f.name}": f.read_bytes() for f in package.iterdir() if f.name.endswith(".py")}
+    for platform in _LAUNCHERS:
+        for library in (package / "resources" / "binaries" / platform).iterdir():
+            found[f"resources/binaries/{platform}/{library.name}"] = library.read_bytes()
+    return found
+
+
+def _licences() -> dict[str, bytes]:
+    own = (Path(__file__).parents[1] / "LICENSE").read_bytes()
+    theirs = next(f for f in distribution("pythonfmu").files or [] if f.name == "LICENSE")
+    folder = "documentation/licenses"
+    return {f"{folder}/license.txt": own, f"{folder}/pythonfmu.txt": theirs.read_binary()}
+
+
+def _requirements() -> str:
+    """What the FMU needs from outside, as pip reads it: the versions it was built with are known to work."""
+    return "".join(f"{name}>={version(name).split('.')[0]}.0\n" for name in ("numpy", "onnxruntime"))
+
+
+def _notes(vehicles: int, network: NetworkFile | None) -> list[str]:
+    needs = (
+        "Needs from outside: a 64-bit Python 3.11 or later with numpy and onnxruntime (resources/requirements.txt), on "
+        "Linux or Windows. In a Python host that interpreter is used; other hosts find the python3 that is first on PATH."
+    )
+    if network is None:
+        return [f"There is no network for {vehicles} vehicles in this FMU, so parameter_source starts at 2.", needs]
+    bounds = ", ".join(f"{name} = {value:.10g}" for name, value in network.domain.items())
+    return [f"The network {network.name} in resources/ was trained on starts with {bounds} (m, m/s, s).", needs]
+
+
+def build_python_fmu(vehicles: int, output: Path, network: NetworkFile | None) -> Path:
+    """Write PspPlatoon.fmu; the same tree gives the same bytes.
+
+    Parameters
+    ----------
+    vehicles : n, at least 2
+    output : folder
+    network : from `network_for`; without one parameter_source starts at 2
+
+    Returns
+    -------
+    path of the FMU
+    """
+    table = platoon_table(vehicles, default_source=1 if network else 2)
+    component = Component(
+        NAME,
+        DESCRIPTION,
+        version("psp-platoon"),
+        "",
+        capabilities=("canGetAndSetFMUstate", "canSerializeFMUstate", "canNotUseMemoryManagementFunctions"),
+    )
+    packed = _fixed_files(network) | {
+        "documentation/index.html": index_page(component, vehicles, table, _notes(vehicles, network))
+    }
+    sources = _model_sources()
+    digest = content_digest(packed | sources | {"table": repr((component, table)).encode()})
+    packed |= _generated_files(component, table, vehicles, network, digest) | _renamed(sources, digest[:12])
+    path = output / f"{NAME}.fmu"
+    write_fmu(path, packed)
+    return path
+
+
+def _fixed_files(network: NetworkFile | None) -> dict[str, bytes]:
+    """Everything that is copied into the FMU as it is."""
+    here = Path(__file__).parent
+    found = _pythonfmu_files() | _licences()
+    for platform, library in _LAUNCHERS.items():
+        name = f"binaries/{platform}/{NAME}{Path(library).suffix}"
+        found[name] = (here / "launcher" / "binaries" / platform / library).read_bytes()
+    found["model.png"] = (here / "model.png").read_bytes()
+    found["resources/requirements.txt"] = _requirements().encode()
+    found["documentation/externalDependencies.txt"] = ("Python >= 3.11\n" + _requirements()).encode()
+    if network is not None:
+        found[f"resources/{network.name}"] = network.content
+    return found
+
+
+def _generated_files(
+    component: Component, table: tuple[Variable, ...], vehicles: int, network: NetworkFile | None, digest: str
+) -> dict[str, bytes]:
+    """Everything that names the content of the FMU."""
+    module = f"psp_platoon_{digest[:12]}"
+    config = {
+        "vehicles": vehicles,
+        "default_source": 1 if network else 2,
+        "content": digest,
+        "network": network and {"file": network.name, "domain": network.domain, "constants": network.constants},
+    }
+    described = Component(**(vars(component) | {"guid": guid_of(digest)}))
+    script = f'"""Where pythonfmu finds the slave."""\n\nfrom fmu_src_{digest[:12]}.platoon_slave import PspPlatoon\n'
+    return {
+        "modelDescription.xml": model_description(described, table),
+        "resources/slavemodule.txt": module.encode(),
+        f"resources/{module}.py": script.encode(),
+        f"resources/{CONFIG}": json.dumps(config, indent=1).encode(),
+    }
