@@ -18,9 +18,9 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     arguments : without the program's name; None for those of the process
     """
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--vehicles", type=int, default=7, metavar="N", help="number of vehicles, at least 2 (default 7)")
-    parser.add_argument("--output", type=Path, default=Path("dist"), metavar="DIR", help="folder to write to (default dist)")
-    parser.add_argument("--network", type=Path, metavar="FILE", help="ONNX network to use instead of onnx/platoon_N.onnx")
+    parser.add_argument("--vehicles", type=int, default=7, metavar="N", help="vehicles, at least 2 (7)")
+    parser.add_argument("--output", type=Path, default=Path("dist"), metavar="DIR", help="folder to write to (dist)")
+    parser.add_argument("--network", type=Path, metavar="FILE", help="network instead of onnx/platoon_N.onnx")
     return parser.parse_args(arguments)
 
 
@@ -42,7 +42,9 @@ def main(arguments: list[str] | None = None) -> int:
         return 2
     print(f"{path}: {options.vehicles} vehicles, {path.stat().st_size / 1024:.0f} KiB")
     if network is None:
-        print(f"There is no network for {options.vehicles} vehicles, so parameter_source starts at 2: alpha_fixed, r_fixed, p_fixed.")
+        print(
+            f"There is no network for {options.vehicles} vehicles: parameter_source starts at 2, a fixed alpha, r, p."
+        )
     return 0
 
 

@@ -61,13 +61,13 @@ def index_page(component: Component, vehicles: int, table: Sequence[Variable], n
 <p>{escape(component.description)}.</p>
 {paragraphs}
 <h2>Sampling</h2>
-<p>The feedback is sampled every <code>T</code> seconds by the FMU's own clock, beginning at the start time. A communication step
-may be <code>T</code>, a multiple of it, any part of it, or 0: what happens at the sampling instants does not depend on it, and
-between them the outputs follow the exact polynomials. At a communication point that is a sampling instant the outputs
-are those just after sampling.</p>
+<p>The feedback is sampled every <code>T</code> seconds by the FMU's own clock, beginning at the start time. A
+communication step may be <code>T</code>, a multiple of it, any part of it, or 0: what happens at the sampling instants
+does not depend on it, and between them the outputs follow the exact polynomials. At a communication point that is a
+sampling instant the outputs are those just after sampling.</p>
 <h2>Errors</h2>
-<p>A value that the model is not defined for ends in <code>fmi2Error</code> and one logged sentence that names the variable, its
-value, the limit and the remedy. The instance can then be reset and run again.</p>
+<p>A value that the model is not defined for ends in <code>fmi2Error</code> and one logged sentence that names the
+variable, its value, the limit and the remedy. The instance can then be reset and run again.</p>
 <h2>Variables</h2>
 {variable_table(table)}
 </body></html>

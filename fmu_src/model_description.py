@@ -130,9 +130,8 @@ def model_description(component: Component, table: Sequence[Variable]) -> bytes:
     categories = SubElement(root, "LogCategories")
     for name, description in LOG_CATEGORIES.items():
         SubElement(categories, "Category", name=name, description=description)
-    SubElement(
-        root, "DefaultExperiment", startTime="0.0", stopTime=repr(component.stop_time), stepSize=repr(component.step_size)
-    )
+    times = {"stopTime": repr(component.stop_time), "stepSize": repr(component.step_size)}
+    SubElement(root, "DefaultExperiment", {"startTime": "0.0"} | times)
     variables = SubElement(root, "ModelVariables")
     for reference, variable in enumerate(table):
         _scalar_variable(variables, reference, variable)

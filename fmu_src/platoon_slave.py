@@ -14,12 +14,13 @@ from math import isfinite
 from pathlib import Path
 from typing import Any, TypeVar
 
+from psp_model.network import ParameterNetwork
+import numpy as np
 from pythonfmu.enums import Fmi2Status
 from pythonfmu.fmi2slave import Fmi2Slave
 
 from psp_model.choose import ParameterSource, Request, choose_potential, outside_domain
 from psp_model.errors import ModelError
-from psp_model.network import ParameterNetwork
 from psp_model.parameters import ObjectiveWeights, PlatoonParameters, PotentialParameters
 from psp_model.platoon import TIME_TOLERANCE, Lemma1Policy, SampledPlatoon, Sampling, locate
 from psp_model.state import PlatoonState, StartDomain
@@ -48,7 +49,7 @@ def _logged(call: Callable[..., Result]) -> Callable[..., Result | bool | list[f
     return guarded
 
 
-class PspPlatoon(Fmi2Slave):
+class PspPlatoon(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
     """The closed loop of n vehicles as an FMI 2.0 co-simulation slave (design, section 3)."""
 
     def __init__(self, **kwargs: Any) -> None:
@@ -153,7 +154,7 @@ class PspPlatoon(Fmi2Slave):
         sampling = Sampling(read("T"), Lemma1Policy(self._chosen("lemma1_policy")), self._chosen("max_short_periods"))
         gaps = [read(f"s_start[{i}]") for i in range(2, self.vehicles + 1)]
         speeds = [read(f"v_start[{i}]") for i in range(1, self.vehicles + 1)]
-        start = PlatoonState(gaps, speeds, constants, read("x_start"))
+        start = PlatoonState(np.array(gaps), np.array(speeds), constants, read("x_start"))
         request = Request(
             old=self._chosen("potential") == 1,
             source=ParameterSource(self._chosen("parameter_source")),
@@ -201,10 +202,10 @@ class PspPlatoon(Fmi2Slave):
         now, shape = platoon.now, platoon.shape
         of_acceleration, of_gaps = seen.cost.tolist()
         reports = (shape.alpha, shape.r, shape.p, self._in_domain, now.T_max)
-        reports += (float(now.T_max > platoon.sampling.T), float(now.violations))
+        lemma1 = (float(now.T_max > platoon.sampling.T), float(now.violations))
         objective = (of_acceleration + of_gaps, of_acceleration, of_gaps)
         motion = [value for part in (seen.x, seen.v, seen.a, seen.s) for value in part.tolist()]
-        self._values[self._first_output :] = [*motion, *reports, *objective]
+        self._values[self._first_output :] = [*motion, *reports, *lemma1, *objective]
         self._stale = False
 
     def _lies_in_domain(self, start: PlatoonState) -> float:

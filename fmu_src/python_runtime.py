@@ -9,8 +9,9 @@ from importlib.metadata import distribution, version
 from importlib.resources import files
 from pathlib import Path
 
-import psp_model
 from psp_model.network import ParameterNetwork
+
+import psp_model
 
 from .documentation import index_page
 from .model_description import Component, model_description
@@ -19,7 +20,9 @@ from .platoon_slave import CONFIG
 from .variables import Variable, platoon_table
 
 NAME = "PspPlatoon"
-DESCRIPTION = "A platoon of automated vehicles on one lane under sampled-data feedback from performance-sensitive potentials"
+DESCRIPTION = (
+    "A platoon of automated vehicles on one lane, under sampled feedback from performance-sensitive potentials"
+)
 _SLAVE_FILES = ("__init__.py", "variables.py", "slave_state.py", "platoon_slave.py")
 _LAUNCHERS = {"linux64": "psp_launcher.so", "win64": "psp_launcher.dll"}
 _OWN_IMPORT = re.compile(r"^(\s*(?:from|import) )(psp_model|fmu_src)\b", re.MULTILINE)
@@ -109,7 +112,7 @@ def _requirements() -> str:
 def _notes(vehicles: int, network: NetworkFile | None) -> list[str]:
     needs = (
         "Needs from outside: a 64-bit Python 3.11 or later with numpy and onnxruntime (resources/requirements.txt), on "
-        "Linux or Windows. In a Python host that interpreter is used; other hosts find the python3 that is first on PATH."
+        "Linux or Windows. A Python host lends its own interpreter; for others the python3 that is first on PATH is used."
     )
     if network is None:
         return [f"There is no network for {vehicles} vehicles in this FMU, so parameter_source starts at 2.", needs]

@@ -82,7 +82,9 @@ def _pack(platoon: SampledPlatoon) -> dict[str, Any]:
 
 def _unpack(packed: dict[str, Any]) -> SampledPlatoon:
     sampling = packed["sampling"] | {"policy": Lemma1Policy(packed["sampling"]["policy"])}
-    now = {name: np.array(value) if isinstance(value, list) else value for name, value in packed["now"].items()}
+    now: dict[str, Any] = {
+        name: np.array(value) if isinstance(value, list) else value for name, value in packed["now"].items()
+    }
     return SampledPlatoon.resume(
         PlatoonState(constants=PlatoonParameters(**packed["constants"]), **packed["start"]),
         PotentialParameters(**packed["shape"]),

@@ -74,9 +74,9 @@ class Variable:
 
 def _constants() -> Iterator[Variable]:
     c, w = PlatoonParameters(), ObjectiveWeights()
-    yield Variable("T", "Sampling period, above 0; certified where it is below T_max", "s", Sampling().T, 0, nominal=0.01)
+    yield Variable("T", "Sampling period, above 0; certified where below T_max", "s", Sampling().T, 0, nominal=0.01)
     yield Variable("L", "Smallest allowable gap, above 0", "m", c.L, 0, nominal=5)
-    yield Variable("lambda", "Gap from which vehicles no longer repel each other, above L + 3 m", "m", c.lam, 0, nominal=20)
+    yield Variable("lambda", "Gap at which the repulsion ends, above L + 3 m", "m", c.lam, 0, nominal=20)
     yield Variable("v_star", "Desired cruising speed, above 0 and below v_max", "m/s", c.v_star, 0, nominal=30)
     yield Variable("v_max", "Speed limit, above 0", "m/s", c.v_max, 0, nominal=35)
     yield Variable("epsilon", "Width over which the function f is smoothed, above 0", "m/s2", c.epsilon, 0, nominal=0.2)
@@ -98,7 +98,7 @@ def _choices(default_source: int) -> Iterator[Variable]:
         "3: the network's candidates, rolled out from the initial state"
     )
     yield choice("parameter_source", text, default_source, 1, 3)
-    text = "At a sampling instant with T >= T_max; 1: error, 2: warn and count, 3: shorter sampling periods until certified"
+    text = "At a sampling instant with T >= T_max; 1: error, 2: warn and count, 3: shorter periods until certified"
     yield choice("lemma1_policy", text, Sampling().policy, 1, 3)
     text = "Most shortened sampling periods in one communication step with lemma1_policy 3"
     yield choice("max_short_periods", text, Sampling().max_short_periods, 1, None)
@@ -127,10 +127,12 @@ def _motion(n: int) -> Iterator[Variable]:
     gaps = [f"s_start[{i}]" for i in range(2, n + 1)]
     for i in range(1, n + 1):
         known = ("x_start", *gaps[: i - 1])
-        yield Variable(f"x[{i}]", f"Position of vehicle {i}", "m", nominal=100, continuous=True, initial_dependencies=known)
+        text = f"Position of vehicle {i}"
+        yield Variable(f"x[{i}]", text, "m", nominal=100, continuous=True, initial_dependencies=known)
     for i in range(1, n + 1):
         known = (f"v_start[{i}]",)
-        yield Variable(f"v[{i}]", f"Speed of vehicle {i}", "m/s", nominal=30, continuous=True, initial_dependencies=known)
+        text = f"Speed of vehicle {i}"
+        yield Variable(f"v[{i}]", text, "m/s", nominal=30, continuous=True, initial_dependencies=known)
     for i in range(1, n + 1):
         text = f"Acceleration of vehicle {i}, commanded at the last sampling instant and held since"
         yield Variable(f"a[{i}]", text, "m/s2", nominal=1)
