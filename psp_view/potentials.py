@@ -1,0 +1,152 @@
+"""V_new and its slope under alpha, r and p (the paper's figures of both), and the numbers behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import matplotlib
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from psp_model.parameters import HILL_WIDTH, PlatoonParameters, PotentialParameters
+from psp_model.potential import potential, potential_slope
+
+from .style import LINE_STYLES, RC, caption, colours, new_figure
+
+BASE = PotentialParameters(alpha=1e-3, r=10.0, p=5.0)
+"""What the parameters that a panel does not vary are set to (ours: the paper does not give them)."""
+
+VARIED: dict[str, tuple[float, ...]] = {"alpha": (1e-3, 1e-2, 1e-1), "r": (8.0, 12.0), "p": (6.0, 5.0)}
+"""What each panel varies: r and p as in the paper, alpha over its feasible range (ours)."""
+
+_UNITS = {"alpha": "", "r": " m", "p": ""}
+_LETTERS = {"alpha": "α", "r": "r", "p": "p"}
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One potential over a range of gaps.
+
+    Attributes
+    ----------
+    label : what distinguishes it
+    shape : its parameters
+    s : (K,) gaps [m]
+    V : (K,) potential [m2/s2]
+    slope : (K,) V' [m/s2]
+    """
+
+    label: str
+    shape: PotentialParameters
+    s: NDArray[np.float64]
+    V: NDArray[np.float64]
+    slope: NDArray[np.float64]
+
+
+def curve(shape: PotentialParameters, constants: PlatoonParameters, label: str = "", points: int = 1601) -> Curve:
+    """A potential sampled from just above L to just beyond lambda.
+
+    Parameters
+    ----------
+    shape : the potential
+    constants : L and lambda
+    label : its name
+    points : K
+
+    Returns
+    -------
+    Curve
+    """
+    s = np.linspace(constants.L, constants.lam + 1.0, points + 1)[1:]
+    return Curve(label, shape, s, potential(s, shape, constants), potential_slope(s, shape, constants))
+
+
+def family(name: str, values: Sequence[float], constants: PlatoonParameters, base: PotentialParameters) -> list[Curve]:
+    """The curves of one panel: `base` with one parameter varied.
+
+    Parameters
+    ----------
+    name : "alpha", "r" or "p"
+    values : what to set it to
+    constants : L and lambda
+    base : the other two parameters
+
+    Returns
+    -------
+    one curve per value
+    """
+    shapes = [replace(base, **{name: value}) for value in values]
+    return [
+        curve(shape, constants, f"{_LETTERS[name]} = {value:g}{_UNITS[name]}")
+        for shape, value in zip(shapes, values, strict=True)
+    ]
+
+
+def hill(shape: PotentialParameters, constants: PlatoonParameters) -> tuple[float, float] | None:
+    """Where the hill's local minimum and its crest lie: the sign changes of V' on [r, r + 3] (ours).
+
+    Parameters
+    ----------
+    shape : the potential
+    constants : L and lambda
+
+    Returns
+    -------
+    gap of the minimum and gap of the crest [m], or None where V falls all the way
+    """
+    if not shape.hill:
+        return None
+    s = shape.r + np.linspace(0.0, HILL_WIDTH, 3001)
+    rising = np.flatnonzero(potential_slope(s, shape, constants) > 0)
+    if rising.size == 0:
+        return None
+    first, last = int(rising[0]), int(rising[-1])
+    # V' <= 0 at both ends of the hill, so a sample lies before the first and after the last that rises
+    return _root(s[first - 1], s[first], shape, constants), _root(s[last + 1], s[last], shape, constants)
+
+
+def _root(falling: float, rising: float, shape: PotentialParameters, constants: PlatoonParameters) -> float:
+    """Bisect for the zero of V' between a gap where it is at most 0 and one where it is above."""
+    for _ in range(60):
+        middle = 0.5 * (falling + rising)
+        if potential_slope(middle, shape, constants) > 0:
+            rising = middle
+        else:
+            falling = middle
+    return 0.5 * (falling + rising)
+
+
+def draw_potentials(command: str, constants: PlatoonParameters | None = None) -> Figure:
+    """V_new (top) and V_new' (bottom) under alpha, r and p.
+
+    Parameters
+    ----------
+    command : the command that makes this very picture, for the caption
+    constants : the paper's by default
+
+    Returns
+    -------
+    the figure
+    """
+    constants = constants or PlatoonParameters()
+    with matplotlib.rc_context(RC):
+        figure = new_figure(11.0, 6.2)
+        grid = figure.subplots(2, len(VARIED), sharex=True, sharey="row")
+        for column, (name, values) in enumerate(VARIED.items()):
+            curves = family(name, values, constants, BASE)
+            for line, (colour, style) in zip(
+                curves, zip(colours(len(curves)), LINE_STYLES, strict=False), strict=False
+            ):
+                grid[0][column].plot(line.s, line.V, style, color=colour, label=line.label)
+                grid[1][column].plot(line.s, line.slope, style, color=colour)
+            grid[0][column].set_title(f"influence of {_LETTERS[name]}")
+            grid[0][column].legend()
+            grid[1][column].set_xlabel("gap s [m]")
+        grid[0][0].set(ylabel="V_new(s) [m²/s²]", ylim=(0.0, 6.0), xlim=(constants.L, constants.lam + 1.0))
+        grid[1][0].set(ylabel="V_new'(s) [m/s²]", ylim=(-6.0, 6.0))
+        text = "The potential V_new and its slope; parameters that a panel does not vary are "
+        text += f"α = {BASE.alpha:g}, r = {BASE.r:g} m, p = {BASE.p:g}. Both rows are cut off where V rises towards L."
+        caption(figure, text, command)
+    return figure
