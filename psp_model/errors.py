@@ -11,7 +11,8 @@ SENTENCES = {
     "raise lambda or lower L",
     "v_max": "v_max = %.10g m/s must be positive: it is the speed limit, give it a speed above 0 m/s",
     "v_star": "v_star = %.10g m/s must lie strictly between 0 m/s and v_max = %.10g m/s: lower v_star or raise v_max",
-    "epsilon": "epsilon = %.10g m/s2 must be positive: it is the width over which f is smoothed, give it a value above 0 m/s2",
+    "epsilon": "epsilon = %.10g m/s2 must be positive: it is the width over which f is smoothed, "
+    "give it a value above 0 m/s2",
     "mu": "mu = %.10g 1/s must be positive: it is the smallest feedback gain, give it a value above 0 1/s",
     "z": "z = %.10g m/s2 must be positive: it limits |V_new'| on the hill, give it a value above 0 m/s2",
     "w1": "w1 = %.10g must not be negative: it weighs acceleration in J, give it 0 or more",
@@ -31,17 +32,19 @@ SENTENCES = {
     "speed": "speed v[%d] = %.10g m/s must lie in [0, %.10g] m/s: start vehicle %d slower than v_max and not backwards",
     "lemma1_gap": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1): vehicle %d could close its gap "
     "s[%d] = %.10g m to L = %.10g m at v_max = %.10g m/s within T; choose T < %.10g s, or lemma1_policy 3",
-    "lemma1_fast": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1): vehicle %d, at v[%d] = %.10g m/s "
-    "with a[%d] = %.10g m/s2, would reach v_max = %.10g m/s within T; choose T < %.10g s, or lemma1_policy 3",
-    "lemma1_slow": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1): vehicle %d, at v[%d] = %.10g m/s "
-    "with a[%d] = %.10g m/s2, would come to a stop, %.10g m/s, within T; choose T < %.10g s, or lemma1_policy 3",
+    "lemma1_fast": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1): vehicle %d, at "
+    "v[%d] = %.10g m/s with a[%d] = %.10g m/s2, would reach v_max = %.10g m/s within "
+    "T; choose T < %.10g s, or lemma1_policy 3",
+    "lemma1_slow": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1): vehicle %d, at "
+    "v[%d] = %.10g m/s with a[%d] = %.10g m/s2, would come to a stop, %.10g m/s, within "
+    "T; choose T < %.10g s, or lemma1_policy 3",
     "choice": "%s = %d must lie in %d to %d: choose one of these whole numbers",
     "count": "%s = %d must be at least 1: choose a larger whole number",
     "horizon": "rollout_horizon = %.10g s must be positive and finite: give it a time above 0 s",
     "no_network": "there is no network for %d vehicles here: use parameter_source 2, or build the FMU with a network",
     "fallback": "the initial state has %s: alpha = %.10g, r = %.10g m, p = %.10g are used instead of the network's",
-    "left_gap": "gap s[%d] = %.10g m has fallen to L = %.10g m at t = %.10g s, where the model ends: choose a smaller T, "
-    "or lemma1_policy 3",
+    "left_gap": "gap s[%d] = %.10g m has fallen to L = %.10g m at t = %.10g s, where the model ends: choose a smaller "
+    "T, or lemma1_policy 3",
     "not_initialised": "doStep was called before initialisation had ended: leave initialisation mode first",
     "step_size": "communication step size %.10g s must be finite and not negative: give doStep a step of 0 s or more",
     "step_time": "doStep starts at %.10g s but the last communication point was %.10g s: step on from there",
@@ -52,8 +55,9 @@ SENTENCES = {
     "state_damaged": "the FMU state is damaged or cut short: save it again",
     "state_foreign": "the FMU state was saved by another FMU than this one: restore it into the FMU that saved it",
     "internal": "internal error in %s, %s: please report it with the start values that led to it",
-    "short_periods": "more than max_short_periods = %d short sampling periods in one communication step, at t = %.10g s "
-    "with T_max = %.10g s: raise max_short_periods, take shorter communication steps, or start further from L",
+    "short_periods": "more than max_short_periods = %d short sampling periods in one communication step, at "
+    "t = %.10g s with T_max = %.10g s: raise max_short_periods, take shorter communication "
+    "steps, or start further from L",
 }
 
 

@@ -10,8 +10,17 @@ import numpy as np
 
 from .errors import ModelError
 from .namespace import array_namespace
-from .parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN
-from .parameters import Constants, PlatoonParameters, PotentialParameters, PotentialShape
+from .parameters import (
+    ALPHA_MAX,
+    ALPHA_MIN,
+    HILL_WIDTH,
+    P_MAX,
+    P_MIN,
+    Constants,
+    PlatoonParameters,
+    PotentialParameters,
+    PotentialShape,
+)
 from .potential import potential_slope
 
 SLOPE_ERROR = 1e-9  # [m/s2] `max_slope` is this close to the true maximum, or closer

@@ -22,13 +22,12 @@ def f(x: Any, epsilon: Any) -> Any:
     array like x [m/s2], never below max(x, 0)
     """
     xp = array_namespace(x)
-    return xp.maximum(x, 0.0) + _excess(x, epsilon)
+    return xp.maximum(x, 0.0) + _excess(xp.minimum(x, 0.0), epsilon)
 
 
-def _excess(x: Any, epsilon: Any) -> Any:
-    """f(x) - max(x, 0), between 0 and epsilon/2 [m/s2]."""
-    xp = array_namespace(x)
-    ramp = xp.maximum(xp.minimum(x, 0.0) + epsilon, 0.0)
+def _excess(negative: Any, epsilon: Any) -> Any:
+    """f(x) - max(x, 0), between 0 and epsilon/2 [m/s2], from the negative part min(x, 0)."""
+    ramp = array_namespace(negative).maximum(negative + epsilon, 0.0)
     return ramp * ramp / (2.0 * epsilon)
 
 
@@ -49,8 +48,9 @@ def g(x: Any, constants: Constants) -> Any:
     """
     xp = array_namespace(x)
     margin = constants.v_max - constants.v_star
-    smooth = constants.v_max * _excess(x, constants.epsilon) / (constants.v_star * margin)
-    return smooth + xp.maximum(x, 0.0) / margin - xp.minimum(x, 0.0) / constants.v_star
+    negative = xp.minimum(x, 0.0)
+    smooth = constants.v_max * _excess(negative, constants.epsilon) / (constants.v_star * margin)
+    return smooth + xp.maximum(x, 0.0) / margin - negative / constants.v_star
 
 
 def repulsion(s: Any, shape: PotentialShape, constants: Constants) -> Any:
@@ -104,7 +104,8 @@ def feedback(s: Any, v: Any, shape: PotentialShape, constants: Constants) -> Any
     u = repulsion(s, shape, constants)
     xp = array_namespace(u)
     margin = constants.v_max - constants.v_star
-    smooth = constants.mu + constants.v_max / (constants.v_star * margin) * _excess(u, constants.epsilon)
+    negative = xp.minimum(u, 0.0)
+    smooth = constants.mu + constants.v_max / (constants.v_star * margin) * _excess(negative, constants.epsilon)
     pushed = xp.maximum(u, 0.0) * ((constants.v_max - v) / margin)
-    held = xp.minimum(u, 0.0) * (v / constants.v_star)
+    held = negative * (v / constants.v_star)
     return pushed + held - smooth * (v - constants.v_star)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from .errors import ModelError
-from .namespace import array_namespace
+from .namespace import array_namespace, smallest
 from .parameters import Constants, PlatoonParameters
 
 
@@ -45,8 +45,7 @@ def largest_period(s: Any, v: Any, a: Any, constants: Constants) -> Any:
     (...) array, T_max [s]
     """
     of_gaps, of_speeds = period_bounds(s, v, a, constants)
-    xp = array_namespace(of_speeds)
-    return xp.minimum(xp.min(of_gaps, axis=0), xp.min(of_speeds, axis=0))
+    return smallest(array_namespace(of_speeds).concat([of_gaps, of_speeds]))
 
 
 def violation(t: float, T: float, s: Any, v: Any, a: Any, constants: PlatoonParameters) -> ModelError:

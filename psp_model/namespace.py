@@ -13,6 +13,8 @@ def array_namespace(array: Any) -> Any:
     NumPy and JAX arrays name theirs themselves (Python array API standard); CasADi symbols are served by an adapter;
     plain numbers and lists are NumPy's.
     """
+    if isinstance(array, np.ndarray):
+        return np
     if hasattr(array, "__array_namespace__"):
         return array.__array_namespace__()
     if type(array).__module__.startswith("casadi"):
@@ -20,3 +22,17 @@ def array_namespace(array: Any) -> Any:
 
         return casadi_namespace
     return np
+
+
+def total(array: Any) -> Any:
+    """The sum over the first axis, which is that of the vehicles."""
+    if isinstance(array, np.ndarray):
+        return np.add.reduce(array)  # what np.sum calls, several Python calls later
+    return array_namespace(array).sum(array, axis=0)
+
+
+def smallest(array: Any) -> Any:
+    """The smallest value along the first axis, which is that of the vehicles."""
+    if isinstance(array, np.ndarray):
+        return np.minimum.reduce(array)  # what np.min calls, several Python calls later
+    return array_namespace(array).min(array, axis=0)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from .namespace import array_namespace
+from .namespace import total
 from .parameters import ObjectiveWeights
-from .sampled_data import relative
 
 HORIZON = 20.0  # [s] t_f - t_0 (ours: the paper gives none)
 
@@ -15,7 +14,7 @@ def running_cost(s: Any, v: Any, a: Any, tau: Any, weights: ObjectiveWeights) ->
     """What a time tau after a sampling instant adds to the two terms of J, exactly (paper, eq. of the objective).
 
     w1 tau sum a^2 / a_ref^2 and w2 sum (tau s + tau^2/2 Dv + tau^3/6 Da) / s_ref: the accelerations are held and the
-    gaps are parabolas, so both integrals are closed forms.
+    gaps are parabolas, so both integrals are closed forms; sum Dv = v_1 - v_n and sum Da = a_1 - a_n.
 
     Parameters
     ----------
@@ -28,7 +27,5 @@ def running_cost(s: Any, v: Any, a: Any, tau: Any, weights: ObjectiveWeights) ->
     -------
     of_acceleration, of_gaps : (...) arrays [s], weights included
     """
-    xp = array_namespace(a)
-    gaps = tau * (s + tau * (0.5 * relative(v) + tau / 6.0 * relative(a)))
-    of_acceleration = weights.w1 / weights.a_ref**2 * tau * xp.sum(a * a, axis=0)
-    return of_acceleration, weights.w2 / weights.s_ref * xp.sum(gaps, axis=0)
+    gaps = tau * (total(s) + tau * (0.5 * (v[0] - v[-1]) + tau / 6.0 * (a[0] - a[-1])))
+    return weights.w1 / weights.a_ref**2 * tau * total(a * a), weights.w2 / weights.s_ref * gaps

@@ -19,21 +19,39 @@ _UNITS |= {"w1": "1", "w2": "1", "a_ref": "m/s2", "s_ref": "m", "alpha": "1", "r
 class PotentialShape(Protocol):
     """What the potential needs to know of its parameters: numbers, arrays or symbols that broadcast with the gaps."""
 
-    alpha: Any
-    r: Any
-    p: Any
-    hill: Any
+    @property
+    def alpha(self) -> Any: ...
+
+    @property
+    def r(self) -> Any: ...
+
+    @property
+    def p(self) -> Any: ...
+
+    @property
+    def hill(self) -> Any: ...
 
 
 class Constants(Protocol):
     """What the model needs to know of its constants: numbers or symbols."""
 
-    L: Any
-    lam: Any
-    v_star: Any
-    v_max: Any
-    epsilon: Any
-    mu: Any
+    @property
+    def L(self) -> Any: ...
+
+    @property
+    def lam(self) -> Any: ...
+
+    @property
+    def v_star(self) -> Any: ...
+
+    @property
+    def v_max(self) -> Any: ...
+
+    @property
+    def epsilon(self) -> Any: ...
+
+    @property
+    def mu(self) -> Any: ...
 
 
 def _require_finite(instance: Any) -> None:

@@ -15,7 +15,7 @@ from .errors import ModelError
 from .feedback import feedback
 from .lemma1 import largest_period, violation
 from .objective import running_cost
-from .parameters import ObjectiveWeights, PlatoonParameters, PotentialParameters
+from .parameters import ObjectiveWeights, PotentialParameters
 from .sampled_data import advance, travelled
 from .state import PlatoonState
 
@@ -172,12 +172,12 @@ class SampledPlatoon:
     def _sample(self, period: int, fraction: float, x: float, s: Vector, v: Vector, violations: int, cost: Any) -> None:
         """Compute the feedback and Lemma 1 at a sampling instant and make it `now`."""
         constants, T, policy = self.start.constants, self.sampling.T, self.sampling.policy
-        if not (s > constants.L).all():  # under policy 2 only: the certificate was overridden
+        if policy is Lemma1Policy.WARN and not (s > constants.L).all():  # the others keep every gap above L
             i = int(np.argmin(s))
             raise ModelError("left_gap", i + 2, s[i], constants.L, (period + fraction) * T)
         a = feedback(s, v, self.shape, constants)
         T_max = float(largest_period(s, v, a, constants))
-        certified = T < T_max
+        certified = T_max > T
         span = 1.0
         if policy is Lemma1Policy.SHORTEN:
             while not span * T < T_max and span > _SHORTEST:
@@ -216,9 +216,16 @@ class SampledPlatoon:
                 if short > self.sampling.max_short_periods or now.span <= _SHORTEST:
                     time = (now.period + now.fraction) * self.sampling.T
                     raise ModelError("short_periods", self.sampling.max_short_periods, time, now.T_max)
-            seen = self.observe(now.period, ends)
+            x, s, v, cost = self._after(now.span * self.sampling.T)
             at = (now.period + 1, 0.0) if ends >= 1.0 else (now.period, ends)
-            self._sample(*at, float(seen.x[0]), seen.s, seen.v, now.violations, seen.cost)
+            self._sample(*at, x, s, v, now.violations, cost)
+
+    def _after(self, tau: float) -> tuple[float, Vector, Vector, Vector]:
+        """Position of the leader, gaps, speeds and terms of J a time tau [s] after the last sampling instant."""
+        now = self.now
+        s, v = advance(now.s, now.v, now.a, tau)
+        x = now.x + float(travelled(now.v[0], now.a[0], tau))
+        return x, s, v, now.cost + np.array(running_cost(now.s, now.v, now.a, tau, self.weights))
 
     def observe(self, period: int, fraction: float) -> Observation:
         """The platoon at a time between the last sampling instant and the next, by the exact polynomial.
@@ -229,11 +236,7 @@ class SampledPlatoon:
         """
         now = self.now
         tau = (period - now.period + (fraction - now.fraction)) * self.sampling.T
-        x = now.x
-        if tau == 0.0:
-            s, v, cost = now.s, now.v, now.cost
-        else:
-            s, v = advance(now.s, now.v, now.a, tau)
-            x += float(travelled(now.v[0], now.a[0], tau))
-            cost = now.cost + np.array(running_cost(now.s, now.v, now.a, tau, self.weights))
-        return Observation(np.concatenate([[x], x - np.cumsum(s)]), s, v, now.a, cost)
+        x, s, v, cost = (now.x, now.s, now.v, now.cost) if tau == 0.0 else self._after(tau)
+        behind = np.empty(v.size)
+        behind[0], behind[1:] = x, s
+        return Observation(np.subtract.accumulate(behind), s, v, now.a, cost)

@@ -65,5 +65,6 @@ def potential_slope(s: Any, shape: PotentialShape, constants: Constants) -> Any:
     d = s - constants.L
     e = xp.maximum(constants.lam - s, 0.0)
     t, q, power, on_hill = _hill_parts(s, shape)
-    hill = power * (shape.p * (HILL_WIDTH - 2.0 * t) - 2.0 * q / d) / (d * d)
-    return -shape.alpha * e * e / d * (3.0 + e / d) + xp.where(on_hill, shape.hill * hill, 0.0)
+    near = e / d
+    hill = power * (shape.p * (0.5 * HILL_WIDTH - t) - q / d) / (d * d)
+    return xp.where(on_hill, 2.0 * shape.hill * hill, 0.0) - shape.alpha * (e * near * (3.0 + near))

@@ -13,7 +13,7 @@ def relative(y: Any) -> Any:
 def advance(s: Any, v: Any, a: Any, tau: Any) -> tuple[Any, Any]:
     """Gaps and speeds a time tau after a sampling instant, exactly.
 
-    s(tau) = s + tau Dv + tau^2/2 Da and v(tau) = v + tau a, with D the difference between vehicle i-1 and vehicle i.
+    s(tau) = s + D(tau v + tau^2/2 a) and v(tau) = v + tau a, with D the difference between vehicle i-1 and vehicle i.
     Gaps are integrated rather than positions, so that they keep their precision however far the platoon drives (ours).
 
     Parameters
@@ -27,7 +27,7 @@ def advance(s: Any, v: Any, a: Any, tau: Any) -> tuple[Any, Any]:
     -------
     s, v : arrays of the same shapes, a time tau later [m], [m/s]
     """
-    return s + tau * (relative(v) + 0.5 * tau * relative(a)), v + tau * a
+    return s + relative(travelled(v, a, tau)), v + tau * a
 
 
 def travelled(v: Any, a: Any, tau: Any) -> Any:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .objective import HORIZON
 from .parameters import ObjectiveWeights, PotentialParameters
 from .platoon import SampledPlatoon, Sampling, locate
-from .objective import HORIZON
 from .state import PlatoonState
 
 
@@ -73,13 +73,12 @@ def simulate(
     sampling = sampling or Sampling()
     platoon = SampledPlatoon(start, shape, weights or ObjectiveWeights(), sampling)
     step = output_step or sampling.T
-    times = step * np.arange(locate(duration, step)[0] + 1)
+    times = step * np.arange(locate(duration, step)[0] + 1, dtype=np.float64)
     rows, T_max = [], []
     for time in times:
         at = locate(float(time), sampling.T)
         platoon.advance_to(*at)
         rows.append(platoon.observe(*at))
         T_max.append(platoon.now.T_max)
-    columns = [np.array([getattr(row, name) for row in rows]) for name in ("x", "s", "v", "a")]
-    cost = np.array([row.cost for row in rows])
-    return Run(times, *columns, np.array(T_max), cost, platoon.now.violations)
+    columns = {name: np.array([getattr(row, name) for row in rows]) for name in ("x", "s", "v", "a", "cost")}
+    return Run(time=times, T_max=np.array(T_max), violations=platoon.now.violations, **columns)
