@@ -1,0 +1,133 @@
+/* The FMI 2.0 front that both FMUs share: call order, argument checks, logging, saved states.
+ *
+ * The model behind it is a backend (backend.h).  All data of an instance is in its Front; nothing is static.
+ */
+#ifndef PSP_FRONT_H
+#define PSP_FRONT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "fmi2Functions.h"
+
+typedef struct Front Front;
+
+#include "backend.h"
+
+/* The states of FMI 2.0's state machine of co-simulation that a slave without asynchronous steps can be in. */
+typedef enum {
+    INSTANTIATED = 1,
+    INITIALIZATION = 2,
+    STEP_COMPLETE = 4,
+    STEP_FAILED = 8,
+    TERMINATED = 16,
+    IN_ERROR = 32,
+    IN_FATAL = 64
+} Mode;
+
+/* What the front itself must remember in a saved state, beside the backend's part. */
+typedef struct {
+    double time;         /* the current communication point [s] */
+    double stop;         /* [s], if has_stop */
+    double last_success; /* [s] */
+    uint32_t mode;
+    uint32_t has_stop;
+    uint32_t last_step;
+    uint32_t setup; /* fmi2SetupExperiment was called */
+} Progress;
+
+typedef struct SavedState {
+    struct SavedState *next;
+    Progress progress;
+    void *backend;
+} SavedState;
+
+struct Front {
+    uint64_t magic;
+    char *name;
+    fmi2CallbackLogger logger;
+    fmi2ComponentEnvironment environment;
+    bool logging;
+    unsigned categories; /* bit per log category asked for; 0: all */
+    uint64_t identity;   /* hash of the GUID, so that states of other builds are refused */
+    Progress progress;
+    fmi2Status worst; /* worst status logged during the current call */
+    SavedState *states;
+    Backend *backend;
+};
+
+/* front_check.c ---------------------------------------------------------------------------------------------- */
+
+typedef enum {
+    CALL_SET_DEBUG_LOGGING,
+    CALL_FREE_INSTANCE,
+    CALL_SETUP_EXPERIMENT,
+    CALL_ENTER_INITIALIZATION,
+    CALL_EXIT_INITIALIZATION,
+    CALL_TERMINATE,
+    CALL_RESET,
+    CALL_GET_REAL,
+    CALL_GET_INTEGER,
+    CALL_GET_BOOLEAN,
+    CALL_GET_STRING,
+    CALL_SET_REAL,
+    CALL_SET_INTEGER,
+    CALL_SET_BOOLEAN,
+    CALL_SET_STRING,
+    CALL_GET_STATE,
+    CALL_SET_STATE,
+    CALL_FREE_STATE,
+    CALL_STATE_SIZE,
+    CALL_SERIALIZE_STATE,
+    CALL_DESERIALIZE_STATE,
+    CALL_DIRECTIONAL_DERIVATIVE,
+    CALL_SET_INPUT_DERIVATIVES,
+    CALL_GET_OUTPUT_DERIVATIVES,
+    CALL_DO_STEP,
+    CALL_CANCEL_STEP,
+    CALL_GET_STATUS,
+    CALL_GET_REAL_STATUS,
+    CALL_GET_INTEGER_STATUS,
+    CALL_GET_BOOLEAN_STATUS,
+    CALL_GET_STRING_STATUS
+} Call;
+
+/* The instance behind `c` if `call` is allowed now, else NULL with the status to return in *refusal. */
+Front *front_enter(fmi2Component c, Call call, fmi2Status *refusal);
+
+/* Ends a call: the worse of `status` and of what was logged, which also decides the state the instance is in. */
+fmi2Status front_leave(Front *front, fmi2Status status);
+
+/* True if `count` is 0 or all of the pointers are there; else logs which function lacks an argument. */
+bool front_has(Front *front, Call call, size_t count, const void *first, const void *second);
+
+/* Logs fmi2Error and returns it. */
+fmi2Status front_fail(Front *front, const char *format, ...)
+#if defined(__GNUC__)
+    __attribute__((format(printf, 2, 3)))
+#endif
+    ;
+
+const char *front_call_name(Call call);
+
+/* front_log.c ------------------------------------------------------------------------------------------------ */
+
+/* Replaces the log categories asked for; false if one of them is unknown (which is logged). */
+bool front_choose_categories(Front *front, size_t count, const fmi2String names[]);
+
+/* resource_path.c -------------------------------------------------------------------------------------------- */
+
+/* The path that a file URI (or a plain path) stands for, percent-decoded, without a slash at the end; freed by the
+ * caller; NULL when there is no memory for it. */
+char *resource_path(const char *uri);
+
+/* front_state.c ---------------------------------------------------------------------------------------------- */
+
+/* Frees all states that were saved and not freed. */
+void front_free_states(Front *front);
+
+/* FNV-1a, 64 bits. */
+uint64_t front_hash(const void *bytes, size_t size);
+
+#endif
