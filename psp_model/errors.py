@@ -55,6 +55,7 @@ SENTENCES = {
     "state_damaged": "the FMU state is damaged or cut short: save it again",
     "state_foreign": "the FMU state was saved by another FMU than this one: restore it into the FMU that saved it",
     "internal": "internal error in %s, %s: please report it with the start values that led to it",
+    "compiler": "the rollouts could not be compiled (%s): install the extra psp-platoon[offline], which brings a C compiler",
     "short_periods": "more than max_short_periods = %d short sampling periods in one communication step, at "
     "t = %.10g s with T_max = %.10g s: raise max_short_periods, take shorter communication "
     "steps, or start further from L",
