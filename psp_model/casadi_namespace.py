@@ -23,8 +23,8 @@ def minimum(a: Any, b: Any) -> Any:
 
 
 def concat(parts: list[Any]) -> Any:
-    """`parts` one below the other."""
-    return casadi.vertcat(*parts)
+    """`parts` one below the other; empty ones are left out, as CasADi cuts a scalar to 1 by 0 and not to 0 by 1."""
+    return casadi.vertcat(*(part for part in parts if part.numel()))
 
 
 def sum(vector: Any, axis: int = 0) -> Any:
