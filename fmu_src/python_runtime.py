@@ -112,7 +112,7 @@ def _requirements() -> str:
 def _notes(vehicles: int, network: NetworkFile | None) -> list[str]:
     needs = (
         "Needs from outside: a 64-bit Python 3.11 or later with numpy and onnxruntime (resources/requirements.txt), on "
-        "Linux or Windows. A Python host lends its own interpreter; for others the python3 that is first on PATH is used."
+        "Linux or Windows: a Python host lends its own, other hosts find the python3 that is first on PATH."
     )
     if network is None:
         return [f"There is no network for {vehicles} vehicles in this FMU, so parameter_source starts at 2.", needs]
@@ -183,6 +183,7 @@ def _generated_files(
     return {
         "modelDescription.xml": model_description(described, table),
         "resources/slavemodule.txt": module.encode(),
+        "resources/guid.txt": described.guid.encode(),
         f"resources/{module}.py": script.encode(),
         f"resources/{CONFIG}": json.dumps(config, indent=1).encode(),
     }

@@ -42,16 +42,21 @@ SENTENCES = {
     "count": "%s = %d must be at least 1: choose a larger whole number",
     "horizon": "rollout_horizon = %.10g s must be positive and finite: give it a time above 0 s",
     "no_network": "there is no network for %d vehicles here: use parameter_source 2, or build the FMU with a network",
+    "network_missing": "the network file %s cannot be read (%s): put it back, or use parameter_source 2",
+    "network_damaged": "the network file %s is not a readable ONNX file: put an undamaged one in its place, or use "
+    "parameter_source 2",
+    "network_shape": "the network file %s has inputs %s and outputs %s, but initial_condition [batch, 2n-1] and "
+    "parameters [batch, 3] are needed: export it as the design says, or use parameter_source 2",
+    "network_metadata": "the network file %s lacks readable psp_vehicles, psp_domain or psp_constants in its metadata: "
+    "export it with psp train, or use parameter_source 2",
+    "network_vehicles": "the network file %s is made for %d vehicles, not for %d: use the one for this platoon, or "
+    "parameter_source 2",
     "fallback": "the initial state has %s: alpha = %.10g, r = %.10g m, p = %.10g are used instead of the network's",
     "left_gap": "gap s[%d] = %.10g m has fallen to L = %.10g m at t = %.10g s, where the model ends: choose a smaller "
     "T, or lemma1_policy 3",
-    "not_initialised": "doStep was called before initialisation had ended: leave initialisation mode first",
-    "step_size": "communication step size %.10g s must be finite and not negative: give doStep a step of 0 s or more",
-    "step_time": "doStep starts at %.10g s but the last communication point was %.10g s: step on from there",
     "fixed": "%s is a fixed parameter: set it before initialisation ends, or reset the FMU first",
     "output": "%s is an output and cannot be set: set parameters only",
     "reference": "value reference %d belongs to no %s variable of this FMU: take it from modelDescription.xml",
-    "start_time": "start time %.10g s must be finite: give setupExperiment a finite time",
     "state_damaged": "the FMU state is damaged or cut short: save it again",
     "state_foreign": "the FMU state was saved by another FMU than this one: restore it into the FMU that saved it",
     "internal": "internal error in %s, %s: please report it with the start values that led to it",

@@ -1,0 +1,151 @@
+"""The trained network that gives alpha, r, p for an initial state at once."""
+
+from __future__ import annotations
+
+import json
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .errors import ModelError
+from .parameters import PlatoonParameters, PotentialParameters
+from .state import StartDomain
+
+INPUT, PARAMETERS, SCORES, DICTIONARY = "initial_condition", "parameters", "scores", "dictionary"
+
+
+class ParameterNetwork:
+    """A network in an ONNX file (paper, section IV; file format: ours, see the design).
+
+    Input `initial_condition` is float32 [batch, 2n-1], s_2..s_n [m] then v_1..v_n [m/s]; output `parameters` is float32
+    [batch, 3], alpha, r [m], p.  A network that also ranks candidates has the outputs `scores`, float32 [batch, K], and
+    `dictionary`, float32 [K, 3].  All scaling is inside.  The file is read when it is first needed.
+
+    Parameters
+    ----------
+    path : the file
+
+    Raises
+    ------
+    ModelError : from everything but the constructor, where the file is missing, unreadable or of another shape
+    """
+
+    def __init__(self, path: Path | str):
+        self.path = Path(path)
+
+    @cached_property
+    def _session(self) -> Any:
+        import onnxruntime  # here, because it takes longer to import than everything else together
+
+        options = onnxruntime.SessionOptions()
+        options.intra_op_num_threads = options.inter_op_num_threads = 1
+        options.add_session_config_entry("session.intra_op.allow_spinning", "0")
+        options.log_severity_level = 4  # what is wrong is said once, by ModelError
+        try:
+            content = self.path.read_bytes()
+        except OSError as error:
+            raise ModelError("network_missing", self.path.name, error.strerror) from None
+        try:
+            session = onnxruntime.InferenceSession(content, options, providers=["CPUExecutionProvider"])
+        except Exception:  # onnxruntime raises a class of its own for every kind of damage
+            raise ModelError("network_damaged", self.path.name) from None
+        self._require_shapes(session)
+        return session
+
+    def _require_shapes(self, session: Any) -> None:
+        inputs = {port.name: port.shape[1:] for port in session.get_inputs()}
+        outputs = {port.name: port.shape[1:] for port in session.get_outputs()}
+        columns = inputs.get(INPUT, [None])[-1]
+        fits = list(inputs) == [INPUT] and isinstance(columns, int) and columns >= 3 and columns % 2 == 1
+        if not fits or outputs.get(PARAMETERS) != [3]:
+            raise ModelError("network_shape", self.path.name, str(inputs), str(outputs))
+
+    @cached_property
+    def _metadata(self) -> dict[str, Any]:
+        """The metadata, with the JSON of what the model needs."""
+        entries = self._session.get_modelmeta().custom_metadata_map
+        try:
+            return {
+                "vehicles": int(entries["psp_vehicles"]),
+                "domain": StartDomain(**json.loads(entries["psp_domain"])),
+                "constants": PlatoonParameters(**json.loads(entries["psp_constants"])),
+            }
+        except (KeyError, TypeError, ValueError):
+            raise ModelError("network_metadata", self.path.name) from None
+
+    @property
+    def vehicles(self) -> int:
+        """How many vehicles the network is for."""
+        return int(self._metadata["vehicles"])
+
+    @property
+    def domain(self) -> StartDomain:
+        """The starts it was trained on."""
+        domain: StartDomain = self._metadata["domain"]
+        return domain
+
+    @property
+    def constants(self) -> PlatoonParameters:
+        """The constants it was trained with."""
+        constants: PlatoonParameters = self._metadata["constants"]
+        return constants
+
+    def require_vehicles(self, vehicles: int) -> None:
+        """Check that the network is for this many vehicles.
+
+        Parameters
+        ----------
+        vehicles : n
+
+        Raises
+        ------
+        ModelError : where it is not
+        """
+        columns = self._session.get_inputs()[0].shape[1]
+        if self.vehicles != vehicles or columns != 2 * vehicles - 1:
+            raise ModelError("network_vehicles", self.path.name, (columns + 1) // 2, vehicles)
+
+    def _run(self, outputs: list[str], s: Any, v: Any) -> list[Any]:
+        self.require_vehicles(len(v))
+        row = np.concatenate([s, v]).astype(np.float32)[None, :]
+        return list(self._session.run(outputs, {INPUT: row}))
+
+    def evaluate(self, s: Any, v: Any) -> PotentialParameters:
+        """What the network returns for a start, before projection (paper, section IV).
+
+        Parameters
+        ----------
+        s : (n-1,) array, gaps [m]
+        v : (n,) array, speeds [m/s]
+
+        Returns
+        -------
+        the triple
+
+        Raises
+        ------
+        ModelError : where the file is at fault or made for another number of vehicles
+        """
+        (raw,) = self._run([PARAMETERS], s, v)
+        return PotentialParameters(*map(float, raw[0]))
+
+    def candidates(self, s: Any, v: Any, count: int) -> list[PotentialParameters]:
+        """The network's answer, then the dictionary's triples that it ranks highest for this start (ours).
+
+        Parameters
+        ----------
+        s : (n-1,) array, gaps [m]
+        v : (n,) array, speeds [m/s]
+        count : most candidates
+
+        Returns
+        -------
+        up to `count` triples before projection, `evaluate`'s first; of equal scores the first in the dictionary wins
+        """
+        if not {SCORES, DICTIONARY} <= {port.name for port in self._session.get_outputs()}:
+            return [self.evaluate(s, v)]
+        raw, scores, dictionary = self._run([PARAMETERS, SCORES, DICTIONARY], s, v)
+        best = np.argsort(-scores[0], kind="stable")[: count - 1]
+        return [PotentialParameters(*map(float, row)) for row in (raw[0], *dictionary[best])]
