@@ -101,7 +101,21 @@ def feedback(s: Any, v: Any, shape: PotentialShape, constants: Constants) -> Any
     -------
     (n, ...) array, accelerations [m/s2]
     """
-    u = repulsion(s, shape, constants)
+    return command(repulsion(s, shape, constants), v, constants)
+
+
+def command(u: Any, v: Any, constants: Constants) -> Any:
+    """F_i from the slopes u_i that act on a vehicle and its speed, as `feedback` says.
+
+    Parameters
+    ----------
+    u : (n, ...) array from `repulsion` [m/s2]
+    v : (n, ...) array, speeds [m/s], in [0, v_max]
+
+    Returns
+    -------
+    (n, ...) array, accelerations [m/s2]
+    """
     xp = array_namespace(u)
     margin = constants.v_max - constants.v_star
     negative = xp.minimum(u, 0.0)

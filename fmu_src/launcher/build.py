@@ -40,7 +40,7 @@ def compile_launcher(platform: str, output: Path) -> Path:
     """
     output.mkdir(parents=True, exist_ok=True)
     library = output / f"psp_launcher.{ENDINGS[platform]}"
-    system = ["-ldl"] if platform == "linux64" else ["-Wl,--no-insert-timestamp"]
+    system = ["-ldl"] if platform == "linux64" else []
     command = [sys.executable, "-m", "ziglang", "cc", "-target", TARGETS[platform], *WARNINGS, *COMMON]
     command += ["-I", str(HEADERS), "-o", str(library.resolve()), *FRONT, *LAUNCHER, *system]
     subprocess.run(command, check=True, cwd=C_SOURCES)
