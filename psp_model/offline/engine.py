@@ -34,7 +34,7 @@ Array = NDArray[Any]
 _HERE = Path(__file__).parent
 _PIECE = 4096  # rollouts that one thread takes at a time
 _COMMON = ["-O3", "-march=native", "-fopenmp-simd", "-shared", "-fPIC", "-std=c11", "-x", "c", "-"]
-_FLAGS = {"float": ["-fno-math-errno", "-fno-signed-zeros", "-fno-trapping-math", "-ffinite-math-only", "-ffp-contract=fast", "-mprefer-vector-width=512"], "double": ["-ffp-contract=off"]}
+_FLAGS = {"float": ["-ffast-math", "-mprefer-vector-width=512"], "double": ["-ffp-contract=off"]}
 
 
 @dataclass(frozen=True)

@@ -26,8 +26,7 @@ static inline float fast_log2(float x)
 static inline float fast_exp2(float x)
 {
     x = x < -126.0f ? -126.0f : x > 126.0f ? 126.0f : x;
-    word whole = {x + 12582912.0f}; /* 1.5 * 2^23: the addition rounds to the nearest whole number */
-    float t = x - (whole.value - 12582912.0f);
+    float whole = __builtin_rintf(x), t = x - whole;
     float y = 1.535336188319500e-4f;
     y = y * t + 1.339887440266574e-3f;
     y = y * t + 9.618437357674640e-3f;
@@ -36,7 +35,7 @@ static inline float fast_exp2(float x)
     y = y * t + 6.931472028550421e-1f;
     y = y * t + 1.0f;
     word result = {y};
-    result.bits += whole.bits << 23;
+    result.bits += (int32_t)whole << 23;
     return result.value;
 }
 

@@ -1,0 +1,209 @@
+"""The global optimum of J over (alpha, r, p) for many starts: a grid, then pattern search from its best minima.
+
+J jumps where a vehicle no longer makes it over a hill, and the optimum often stands at the edge of such a cliff, so
+nothing here uses a derivative (ours).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..feasible import project
+from ..parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH, PotentialParameters
+from .engine import Engine, Problem
+from .slope_limit import SlopeLimit
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Candidates on a rectangle: r against the level of p between 3 and the slope limit.
+
+    Attributes
+    ----------
+    alpha : of all candidates [1]
+    r : (R,) array [m]
+    level : (P,) array, 0 for p = 3, 1 for the largest feasible p
+    """
+
+    alpha: float
+    r: Array
+    level: Array
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How hard to search.
+
+    Attributes
+    ----------
+    r_step : spacing of the main grid, at the smallest alpha [m]
+    levels : levels of p on it
+    alphas : further values of alpha, on grids of twice the spacing
+    seeds, survivors : minima that are refined in the first round, and in the later ones
+    rounds : of refinement; the pattern is halved after each
+    finalists : candidates that are compared in float64
+    """
+
+    r_step: float = 0.1
+    levels: int = 13
+    alphas: tuple[float, ...] = (2e-3, 4e-3)
+    seeds: int = 8
+    survivors: int = 3
+    rounds: int = 6
+    finalists: int = 3
+
+
+@dataclass(frozen=True)
+class Solutions:
+    """Optima of B starts.
+
+    Attributes
+    ----------
+    triples : (B, 3) alpha [1], r [m], p [1], feasible
+    J : (B,) objective, in float64
+    T_max : (B,) smallest bound of Lemma 1 on the way [s]
+    tables : (B, R, P) float32, J on the main grid; infinite where no p is feasible
+    """
+
+    triples: Array
+    J: Array
+    T_max: Array
+    tables: Array
+
+
+class Search:
+    """Solves starts of one problem.
+
+    Attributes
+    ----------
+    problem, effort : what is solved and how hard
+    grid : the main grid, at the smallest alpha
+    """
+
+    def __init__(self, problem: Problem, effort: Effort | None = None, threads: int | None = None):
+        self.problem, self.effort = problem, effort or Effort()
+        self.limit = SlopeLimit(problem.constants)
+        self.single, self.double = Engine(problem, "float", threads), Engine(problem, "double", threads)
+        self.grid = self._grid(ALPHA_MIN, 1)
+
+    def _grid(self, alpha: float, coarseness: int) -> Grid:
+        """The grid over the feasible part of r at one alpha, `coarseness` times wider than the main one."""
+        constants = self.problem.constants
+        fine = np.arange(constants.L + 0.02, constants.lam - HILL_WIDTH, 0.01)
+        lowest = fine[np.isfinite(self.limit.largest_p(np.full(fine.shape, alpha), fine))][0]
+        highest = constants.lam - HILL_WIDTH
+        count = max(3, round((highest - lowest) / (self.effort.r_step * coarseness)) + 1)
+        return Grid(alpha, np.linspace(lowest, highest, count), np.linspace(0, 1, self.effort.levels // coarseness + 1))
+
+    def solve(self, starts: Array) -> Solutions:
+        """Solve starts.
+
+        Parameters
+        ----------
+        starts : (B, 2n-1) array, gaps [m] then speeds [m/s] of each start
+
+        Returns
+        -------
+        Solutions
+        """
+        effort = self.effort
+        grids = [self.grid] + [self._grid(alpha, 2) for alpha in effort.alphas]
+        tables = [self.table(starts, grid) for grid in grids]
+        found = [_minima(table, grid, effort.seeds) for table, grid in zip(tables, grids, strict=True)]
+        places, J = (np.concatenate(parts, axis=1) for parts in zip(*found, strict=True))
+        places, J = _best(places, J, effort.seeds)
+        steps = np.array([np.log(1.5), 0.5 * effort.r_step, 0.5 / effort.levels])
+        for number in range(effort.rounds):
+            places, J = self._refine(starts, places, J, steps * 0.5**number)
+            places, J = _best(places, J, effort.survivors)
+        return self._finish(starts, *_best(places, J, effort.finalists), tables[0])
+
+    def table(self, starts: Array, grid: Grid) -> Array:
+        """J of every start at every point of a grid.
+
+        Returns
+        -------
+        (B, R, P) float32 array; infinite where no p is feasible
+        """
+        triples, feasible = self.limit.triples(np.array(grid.alpha), grid.r[:, None], grid.level)
+        J = self._costs(starts, np.broadcast_to(triples, (len(starts), *triples.shape)))
+        return np.where(feasible, J, np.float32(np.inf))
+
+    def _costs(self, starts: Array, triples: Array, engine: Engine | None = None) -> Array:
+        """J of (B, ..., 3) candidates of B starts."""
+        per_start = triples[0].size // 3
+        which = np.repeat(np.arange(len(starts)), per_start)
+        J, _ = (engine or self.single).costs(starts, which, triples.reshape(-1, 3))
+        return J.reshape(triples.shape[:-1])
+
+    def _refine(self, starts: Array, places: Array, J: Array, steps: Array) -> tuple[Array, Array]:
+        """One round of pattern search around (B, K, 3) places in (log alpha, r, level)."""
+        tried = places[:, :, None] + _PATTERN * steps
+        constants = self.problem.constants
+        low = [np.log(ALPHA_MIN), constants.L + 0.02, 0.0]
+        tried = np.clip(tried, low, [np.log(ALPHA_MAX), constants.lam - HILL_WIDTH, 1.0])
+        triples, feasible = self.limit.triples(np.exp(tried[..., 0]), tried[..., 1], tried[..., 2])
+        costs = np.where(feasible, self._costs(starts, triples), np.inf)
+        best = costs.argmin(axis=2)[..., None]
+        found = np.take_along_axis(costs, best, axis=2)[..., 0]
+        moved = np.take_along_axis(tried, best[..., None], axis=2)[:, :, 0]
+        better = found < J
+        return np.where(better[..., None], moved, places), np.where(better, found, J)
+
+    def _finish(self, starts: Array, places: Array, J: Array, tables: Array) -> Solutions:
+        """The best finalist of each start in float64, inside the feasible set."""
+        triples, _ = self.limit.triples(np.exp(places[..., 0]), places[..., 1], places[..., 2])
+        exact = self._costs(starts, triples, self.double)
+        best = triples[np.arange(len(starts)), exact.argmin(axis=1)]
+        best[:, 0] = np.clip(best[:, 0], ALPHA_MIN, ALPHA_MAX)  # exp(log(bound)) may round past the bound
+        final = np.array([_projected(triple, self.problem) for triple in best]).reshape(-1, 3)
+        costs, T_max = self.double.costs(starts, np.arange(len(starts)), final)
+        return Solutions(final, costs, T_max, tables)
+
+
+def _projected(triple: Array, problem: Problem) -> list[float]:
+    """A triple inside the feasible set by the model's own test, whatever the table of the slope limit says."""
+    shape = project(PotentialParameters(*map(float, triple)), problem.constants)
+    return [shape.alpha, shape.r, shape.p]
+
+
+_R, _P = (axis.ravel() for axis in np.meshgrid(np.arange(-2, 3), np.arange(-2, 3), indexing="ij"))
+_NEAR = np.maximum(abs(_R), abs(_P)) <= 1
+_PATTERN = np.concatenate(
+    [np.stack([np.zeros(_R.size), _R, _P], axis=1)]
+    + [np.stack([np.full(_NEAR.sum(), k), _R[_NEAR], _P[_NEAR]], axis=1) for k in (-1, 1)]
+)
+"""(43, 3) the pattern in (log alpha, r, level): 5 by 5 at the same alpha, 3 by 3 at a smaller and a larger one."""
+
+
+def _minima(tables: Array, grid: Grid, count: int) -> tuple[Array, Array]:
+    """The `count` lowest local minima of each table.
+
+    Returns
+    -------
+    places : (B, count, 3) log alpha, r, level
+    J : (B, count); infinite where a table has fewer minima
+    """
+    rows, columns = tables.shape[1:]
+    padded = np.pad(tables, ((0, 0), (1, 1), (1, 1)), constant_values=np.inf)
+    lowest = np.ones(tables.shape, bool)
+    for i in range(3):
+        for j in range(3):
+            lowest &= tables <= padded[:, i : i + rows, j : j + columns]
+    J = np.where(lowest, tables, np.float32(np.inf)).reshape(len(tables), -1)
+    order = np.argsort(J, axis=1, kind="stable")[:, :count]
+    i, j = np.divmod(order, columns)
+    places = np.stack([np.full(i.shape, np.log(grid.alpha)), grid.r[i], grid.level[j]], axis=-1)
+    return places, np.take_along_axis(J, order, axis=1)
+
+
+def _best(places: Array, J: Array, count: int) -> tuple[Array, Array]:
+    """The `count` places of each start with the lowest J, best first."""
+    order = np.argsort(J, axis=1, kind="stable")[:, :count]
+    return np.take_along_axis(places, order[..., None], axis=1), np.take_along_axis(J, order, axis=1)
