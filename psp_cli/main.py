@@ -11,7 +11,7 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
-from . import figures
+from . import build, certify, compare, figures, simulate
 from .bad_input import BadInput
 
 
@@ -44,4 +44,8 @@ def psp() -> None:
     """A vehicle platoon with performance-sensitive potentials: build, run, certify, see and train it."""
 
 
+app.command("build")(build.build)
+app.command("simulate")(simulate.simulate)
+app.command("compare")(compare.compare)
+app.command("certify")(certify.certify)
 app.command("figures")(figures.figures)

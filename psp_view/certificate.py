@@ -47,6 +47,11 @@ class Certificate:
         """Index of the smallest bound."""
         return int(np.argmin(self.T_max))
 
+    def refused(self) -> list[tuple[float, float]]:
+        """First and last time of every stretch of output times at which T is not certified [s]."""
+        marks = np.flatnonzero(np.diff(np.concatenate([[False], ~self.certified, [False]]).astype(int)))
+        return [(float(self.time[a]), float(self.time[b - 1])) for a, b in marks.reshape(-1, 2)]
+
     def who(self, index: int) -> str:
         """Who limits T at one time, in words.
 

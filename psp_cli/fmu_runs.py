@@ -1,0 +1,129 @@
+"""Runs of an FMU of ours by fmpy."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from .bad_input import BadInput
+from .scenario import Scenario
+
+
+@dataclass(frozen=True, eq=False)
+class FmuRun:
+    """What an FMU put out.
+
+    Attributes
+    ----------
+    result : structured array, as fmpy returns it
+    warnings : sentences that it logged
+    """
+
+    result: Any
+    warnings: tuple[str, ...]
+
+
+def inspect(fmu: Path) -> Any:
+    """The model description of an FMU of ours.
+
+    Parameters
+    ----------
+    fmu : the file
+
+    Raises
+    ------
+    BadInput : where it is missing, unreadable or not ours
+    """
+    from fmpy import read_model_description
+
+    if not fmu.exists():
+        raise BadInput(f"{fmu} does not exist: build it with `psp build`, or give the path of an FMU")
+    try:
+        description = read_model_description(str(fmu))
+    except Exception as error:  # fmpy raises whatever its zip and XML readers do
+        raise BadInput(
+            f"{fmu} cannot be read as an FMU ({error}): give the path of one that `psp build` made"
+        ) from None
+    if not any(variable.name == "s_start[2]" for variable in description.modelVariables):
+        raise BadInput(f"{fmu} is the FMU {description.modelName!r}, not a platoon: give one that `psp build` made")
+    return description
+
+
+def vehicles_of(description: Any) -> int:
+    """Number of vehicles of an FMU of ours.
+
+    Parameters
+    ----------
+    description : from `inspect`
+    """
+    return sum(variable.name.startswith("v_start[") for variable in description.modelVariables)
+
+
+def parameters_of(description: Any) -> list[Any]:
+    """The parameters of an FMU, in its order.
+
+    Parameters
+    ----------
+    description : from `inspect`
+    """
+    return [variable for variable in description.modelVariables if variable.causality == "parameter"]
+
+
+def run_fmu(fmu: Path, description: Any, scenario: Scenario, values: Mapping[str, float]) -> FmuRun:
+    """Run an FMU from time 0.
+
+    Parameters
+    ----------
+    fmu, description : the file and what `inspect` says of it
+    scenario : duration and communication step
+    values : parameter values in SI units
+
+    Raises
+    ------
+    BadInput : with the sentence that the FMU logged where it refused
+    """
+    from fmpy import simulate_fmu
+
+    log: list[tuple[int, str]] = []
+
+    def logger(_environment: Any, _instance: Any, status: int, _category: Any, message: Any) -> None:
+        log.append((status, message.decode(errors="replace") if isinstance(message, bytes) else str(message)))
+
+    integers = {variable.name for variable in description.modelVariables if variable.type == "Integer"}
+    start_values = {name: int(value) if name in integers else value for name, value in values.items()}
+    step = scenario.step or values.get("T") or float(_start(description, "T"))
+    try:
+        result = simulate_fmu(
+            str(fmu),
+            start_values=start_values,
+            stop_time=scenario.duration,
+            step_size=step,
+            output_interval=step,
+            logger=logger,
+        )
+    except Exception as error:  # fmpy's own exceptions say which call failed; the FMU's sentence says why
+        sentences = [message for status, message in log if status >= _ERROR]
+        raise BadInput(sentences[-1] if sentences else f"{fmu} failed: {error}") from None
+    return FmuRun(result, tuple(message for status, message in log if status == _WARNING))
+
+
+_WARNING, _ERROR = 1, 3  # fmi2Status
+
+
+def _start(description: Any, name: str) -> Any:
+    return next(variable.start for variable in description.modelVariables if variable.name == name)
+
+
+def listing(description: Any) -> str:
+    """Name, unit, start value and meaning of every parameter.
+
+    Parameters
+    ----------
+    description : from `inspect`
+    """
+    rows = [["parameter", "start", "unit", "meaning"]]
+    rows += [[v.name, str(v.start), v.unit or "1", v.description] for v in parameters_of(description)]
+    width = [max(len(row[i]) for row in rows) for i in range(3)]
+    return "\n".join(f"{a:<{width[0]}}  {b:>{width[1]}}  {c:<{width[2]}}  {d}" for a, b, c, d in rows)

@@ -1,0 +1,116 @@
+"""Values of the FMU's parameters by name, and what they mean to the model."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
+
+from .bad_input import BadInput
+from .quantities import quantity
+
+if TYPE_CHECKING:
+    from psp_view.cases import Setup
+
+
+def parameter_units(vehicles: int) -> dict[str, str]:
+    """Unit of every parameter of the FMU for n vehicles, by name.
+
+    Parameters
+    ----------
+    vehicles : n
+    """
+    from fmu_src.variables import platoon_table
+
+    return {row.name: row.unit for row in platoon_table(vehicles) if row.causality == "parameter"}
+
+
+def checked(given: Mapping[str, str | float], vehicles: int) -> dict[str, float]:
+    """Values in SI units of parameters that exist.
+
+    Parameters
+    ----------
+    given : numbers or texts of number and unit, by name
+    vehicles : n
+
+    Raises
+    ------
+    BadInput : where a name is not a parameter's or a value is no good, naming what is close
+    """
+    units = parameter_units(vehicles)
+    for name in given:
+        if name not in units:
+            close = difflib.get_close_matches(name, units, n=3, cutoff=0.5)
+            hint = f"did you mean {' or '.join(close)}?" if close else "psp simulate --list shows the names"
+            raise BadInput(f"{name!r} is not a parameter of the platoon of {vehicles} vehicles: {hint}")
+    return {name: quantity(value, units[name], name) for name, value in given.items()}
+
+
+def split(assignments: Iterable[str]) -> dict[str, str]:
+    """`name=value` texts, as --set takes them, as a dictionary.
+
+    Parameters
+    ----------
+    assignments : the texts
+
+    Raises
+    ------
+    BadInput : where one has no equals sign
+    """
+    values = {}
+    for assignment in assignments:
+        name, equals, value = assignment.partition("=")
+        if not equals:
+            raise BadInput(f"--set {assignment!r} has no '=': write it as name=value, for example T='10 ms'")
+        values[name.strip()] = value.strip()
+    return values
+
+
+def setup(values: Mapping[str, float], vehicles: int) -> Setup:
+    """The model's objects for parameter values, start values of the table where a name is missing.
+
+    Parameters
+    ----------
+    values : SI values by name of the FMU's parameters
+    vehicles : n
+
+    Raises
+    ------
+    ModelError : where a value is outside the model's domain
+    BadInput : where a selector has no such choice
+    """
+    from fmu_src.variables import platoon_table
+    from psp_model import Lemma1Policy, ObjectiveWeights, PlatoonParameters, PlatoonState, PotentialParameters, Sampling
+    from psp_model.choose import ParameterSource, Request
+    from psp_view.cases import Setup
+
+    table = platoon_table(vehicles)
+    read = {row.name: row.start for row in table if row.start is not None} | dict(values)
+    for row in table:
+        if row.integer:
+            _require_choice(row.name, read[row.name], row.minimum, row.maximum)
+    constants = PlatoonParameters(
+        **{key: read["lambda" if key == "lam" else key] for key in PlatoonParameters.__dataclass_fields__}
+    )
+    gaps = [read[f"s_start[{i}]"] for i in range(2, vehicles + 1)]
+    speeds = [read[f"v_start[{i}]"] for i in range(1, vehicles + 1)]
+    return Setup(
+        start=PlatoonState(gaps, speeds, constants, read["x_start"]),  # type: ignore[arg-type]  # it makes arrays itself
+        request=Request(
+            old=read["potential"] == 1,
+            source=ParameterSource(int(read["parameter_source"])),
+            fixed=PotentialParameters(read["alpha_fixed"], read["r_fixed"], read["p_fixed"]),
+            rollouts=int(read["rollout_count"]),
+            horizon=read["rollout_horizon"],
+        ),
+        weights=ObjectiveWeights(**{key: read[key] for key in ObjectiveWeights.__dataclass_fields__}),
+        sampling=Sampling(read["T"], Lemma1Policy(int(read["lemma1_policy"])), int(read["max_short_periods"])),
+    )
+
+
+def _require_choice(name: str, value: float, low: float | None, high: float | None) -> None:
+    """Refuse a selector or count that is no whole number inside its bounds."""
+    inside = (low is None or value >= low) and (high is None or value <= high)
+    if not (inside and value == int(value)):
+        upto = "upwards" if high is None else f"to {high:g}"
+        raise BadInput(f"{name} = {value:g} is not one of its choices: give it a whole number from {low:g} {upto}")
