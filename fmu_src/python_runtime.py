@@ -27,6 +27,17 @@ _SLAVE_FILES = ("__init__.py", "variables.py", "slave_state.py", "platoon_slave.
 _LAUNCHERS = {"linux64": "psp_launcher.so", "win64": "psp_launcher.dll"}
 _OWN_IMPORT = re.compile(r"^(\s*(?:from|import) )(psp_model|fmu_src)\b", re.MULTILINE)
 
+# pythonfmu runs this script once more for every instance, and each time gives back a reference to the script's globals
+# that it does not own; without one to spare they would be freed under its feet.
+_SCRIPT = '''"""Where pythonfmu finds the slave."""
+
+import ctypes
+
+from fmu_src_{suffix}.platoon_slave import PspPlatoon
+
+ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
+'''
+
 
 @dataclass(frozen=True)
 class NetworkFile:
@@ -179,7 +190,7 @@ def _generated_files(
         "network": network and {"file": network.name, "domain": network.domain, "constants": network.constants},
     }
     described = Component(**(vars(component) | {"guid": guid_of(digest)}))
-    script = f'"""Where pythonfmu finds the slave."""\n\nfrom fmu_src_{digest[:12]}.platoon_slave import PspPlatoon\n'
+    script = _SCRIPT.format(suffix=digest[:12])
     return {
         "modelDescription.xml": model_description(described, table),
         "resources/slavemodule.txt": module.encode(),
