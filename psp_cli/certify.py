@@ -34,11 +34,12 @@ def certify(
     from .settings import setup
 
     wanted = gather(vehicles, scenario, assignments, seed, duration)
-    asked = setup(wanted.values, wanted.vehicles)
+    trained = network_file(wanted.vehicles, network)
+    asked = setup(wanted.values, wanted.vehicles, trained is not None)
     T = asked.sampling.T
     asked = replace(asked, sampling=replace(asked.sampling, policy=Lemma1Policy.WARN))
     length = T if start_only else wanted.duration
-    case = run_case("run", asked, network_file(wanted.vehicles, network), max(length, T))
+    case = run_case("run", asked, trained, max(length, T))
     certificate = case.certificate
     shape = case.shape
     typer.echo(f"potential: alpha = {shape.alpha:.6g}, r = {shape.r:.6g} m, p = {shape.p:.6g} ({case.origin})")

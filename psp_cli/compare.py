@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -57,9 +56,9 @@ def cases_of(scenario: Scenario, network_path: Path | None) -> list[Case]:
     n = scenario.vehicles
     network = network_file(n, network_path)
     if scenario.runs:
-        setups = {name: setup(scenario.values | extra, n) for name, extra in scenario.runs.items()}
+        setups = {name: setup(scenario.values | extra, n, network is not None) for name, extra in scenario.runs.items()}
     else:
-        setups = comparison(setup(scenario.values, n), network)
+        setups = comparison(setup(scenario.values, n, network is not None), network)
         if network is None:
             typer.echo(f"psp: there is no network for {n} vehicles: the runs that need one are left out", err=True)
     cases = []
@@ -69,15 +68,3 @@ def cases_of(scenario: Scenario, network_path: Path | None) -> list[Case]:
             typer.echo(f"psp: warning: {name}: {sentence}", err=True)
         cases.append(case)
     return cases
-
-
-def single_case(scenario: Scenario, network_path: Path | None, name: str = "run") -> Case:
-    """The one run that a scenario's values describe, its own list of runs aside.
-
-    Parameters
-    ----------
-    scenario : what to run
-    network_path : a network of the user's own
-    name : what to call it
-    """
-    return cases_of(replace(scenario, runs={name: {}}), network_path)[0]

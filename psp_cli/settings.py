@@ -66,13 +66,14 @@ def split(assignments: Iterable[str]) -> dict[str, str]:
     return values
 
 
-def setup(values: Mapping[str, float], vehicles: int) -> Setup:
+def setup(values: Mapping[str, float], vehicles: int, has_network: bool = True) -> Setup:
     """The model's objects for parameter values, start values of the table where a name is missing.
 
     Parameters
     ----------
     values : SI values by name of the FMU's parameters
     vehicles : n
+    has_network : whether there is a network for n vehicles; as in the FMU, parameter_source starts at 2 without
 
     Raises
     ------
@@ -84,7 +85,7 @@ def setup(values: Mapping[str, float], vehicles: int) -> Setup:
     from psp_model.choose import ParameterSource, Request
     from psp_view.cases import Setup
 
-    table = platoon_table(vehicles)
+    table = platoon_table(vehicles, default_source=1 if has_network else 2)
     read = {row.name: row.start for row in table if row.start is not None} | dict(values)
     for row in table:
         if row.integer:

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from psp_model.feasible import slope_within_limit
 from psp_model.objective import HORIZON
 from psp_model.parameters import ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN, ObjectiveWeights, PotentialParameters
+from psp_model.platoon import Sampling
+from psp_model.rollout import rollout_costs
 from psp_model.state import PlatoonState
 
 from .style import RC, caption, colours, new_figure
@@ -119,9 +121,7 @@ def draw_landscape(scene: Landscape, choices: Mapping[str, tuple[PotentialParame
             )
         axes.set(xlabel="r [m]", ylabel="p [1]", xlim=(scene.r[0], scene.r[-1]), ylim=(scene.p[0], scene.p[-1]))
         figure.legend(loc="outside upper center", ncols=2)
-        text = (
-            f"J over r and p at α = {scene.alpha:g}; white: not feasible or not certified. Marks may have another α: "
-        )
+        text = f"J over r and p at α = {scene.alpha:g}; white: infeasible or not certified. Marks may have another α: "
         text += ", ".join(f"{name} α = {shape.alpha:.3g}" for name, (shape, _) in marks.items()) + "."
         caption(figure, text, command)
     return figure
