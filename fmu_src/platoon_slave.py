@@ -13,13 +13,13 @@ from functools import wraps
 from pathlib import Path
 from typing import Any, TypeVar
 
-from psp_model.network import ParameterNetwork
 import numpy as np
 from pythonfmu.enums import Fmi2Status
 from pythonfmu.fmi2slave import Fmi2Slave
 
 from psp_model.choose import ParameterSource, Request, choose_potential, outside_domain
 from psp_model.errors import ModelError
+from psp_model.network import ParameterNetwork
 from psp_model.parameters import ObjectiveWeights, PlatoonParameters, PotentialParameters
 from psp_model.platoon import Lemma1Policy, SampledPlatoon, Sampling, locate
 from psp_model.state import PlatoonState, StartDomain
@@ -27,7 +27,7 @@ from psp_model.state import PlatoonState, StartDomain
 from .slave_state import SlaveState, from_bytes, to_bytes
 from .variables import platoon_table
 
-CONFIG = "platoon.json"  # what build_fmu.py decided: vehicles, default source, network, its domain and constants
+CONFIG = "platoon.json"  # what build_fmu.py decided: how many vehicles, which network
 
 Result = TypeVar("Result")
 
@@ -56,7 +56,6 @@ class PspPlatoon(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         resources = Path(self.resources)
         config = json.loads((resources / CONFIG).read_text(encoding="utf-8"))
         self.vehicles: int = config["vehicles"]
-        self.content: str = config["content"]
         self._trained: dict[str, Any] | None = config["network"]
         self._network_file = resources / config["network"]["file"] if self._trained else None
         self._table = platoon_table(self.vehicles, config["default_source"])
@@ -212,7 +211,6 @@ class PspPlatoon(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
     @_logged
     def _get_fmu_state(self) -> SlaveState:
         return SlaveState(
-            content=self.content,
             values=tuple(self._values[: self._first_output]),
             start_time=self._start_time,
             time=self._time,
@@ -222,11 +220,7 @@ class PspPlatoon(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         )
 
     @_logged
-    def _set_fmu_state(self, state: SlaveState | None) -> None:
-        if state is None:
-            raise ModelError("state_damaged")
-        if state.content != self.content:
-            raise ModelError("state_foreign")
+    def _set_fmu_state(self, state: SlaveState) -> None:
         self._values[: self._first_output] = state.values
         self._start_time, self._time, self._in_domain = state.start_time, state.time, state.in_domain
         self._initialising, self._stale = state.initialising, True

@@ -9,9 +9,8 @@ from importlib.metadata import distribution, version
 from importlib.resources import files
 from pathlib import Path
 
-from psp_model.network import ParameterNetwork
-
 import psp_model
+from psp_model.network import ParameterNetwork
 
 from .documentation import index_page
 from .model_description import Component, model_description
@@ -186,7 +185,6 @@ def _generated_files(
     config = {
         "vehicles": vehicles,
         "default_source": 1 if network else 2,
-        "content": digest,
         "network": network and {"file": network.name, "domain": network.domain, "constants": network.constants},
     }
     described = Component(**(vars(component) | {"guid": guid_of(digest)}))

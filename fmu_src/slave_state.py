@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass
-from hashlib import sha256
 from typing import Any
 
 import numpy as np
@@ -20,7 +19,6 @@ class SlaveState:
 
     Attributes
     ----------
-    content : identifies the FMU that the state belongs to
     values : the parameters, in the order of the table
     start_time, time : start and last communication point [s]
     in_domain : 1.0 if the start lies in the network's domain
@@ -28,7 +26,6 @@ class SlaveState:
     platoon : the platoon, None before there is one
     """
 
-    content: str
     values: tuple[float, ...]
     start_time: float
     time: float
@@ -38,28 +35,24 @@ class SlaveState:
 
 
 def to_bytes(state: SlaveState) -> bytes:
-    """The state as bytes: a checksum, then JSON, in which every number reads back exactly.
+    """The state as JSON, in which every number reads back exactly; the launcher adds a checksum and the FMU's identity.
 
     Parameters
     ----------
-    state : from `SlaveState` or `from_bytes`
+    state : the state
     """
     fields = {name: getattr(state, name) for name in SlaveState.__dataclass_fields__ if name != "platoon"}
-    body = json.dumps(fields | {"platoon": state.platoon and _pack(state.platoon)}).encode()
-    return sha256(body).hexdigest().encode() + body
+    return json.dumps(fields | {"platoon": state.platoon and _pack(state.platoon)}).encode()
 
 
-def from_bytes(data: bytes) -> SlaveState | None:
-    """The state that `to_bytes` wrote, or None if the bytes are not exactly that.
+def from_bytes(data: bytes) -> SlaveState:
+    """The state that `to_bytes` wrote; the launcher has checked that these are its bytes.
 
     Parameters
     ----------
     data : as written
     """
-    digest, body = data[:64], data[64:]
-    if sha256(body).hexdigest().encode() != digest:
-        return None
-    fields = json.loads(body)
+    fields = json.loads(data)
     platoon = fields.pop("platoon")
     values = tuple(fields.pop("values"))
     return SlaveState(**fields, values=values, platoon=platoon and _unpack(platoon))

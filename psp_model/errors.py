@@ -57,8 +57,6 @@ SENTENCES = {
     "fixed": "%s is a fixed parameter: set it before initialisation ends, or reset the FMU first",
     "output": "%s is an output and cannot be set: set parameters only",
     "reference": "value reference %d belongs to no %s variable of this FMU: take it from modelDescription.xml",
-    "state_damaged": "the FMU state is damaged or cut short: save it again",
-    "state_foreign": "the FMU state was saved by another FMU than this one: restore it into the FMU that saved it",
     "internal": "internal error in %s, %s: please report it with the start values that led to it",
     "compiler": "the rollouts could not be compiled (%s): install the extra psp-platoon[offline], which brings a C compiler",
     "short_periods": "more than max_short_periods = %d short sampling periods in one communication step, at "

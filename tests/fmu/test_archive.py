@@ -1,0 +1,81 @@
+"""What is inside the FMU, and that building it twice gives the same bytes."""
+
+from __future__ import annotations
+
+import zipfile
+from xml.etree import ElementTree
+
+import pytest
+from fmpy.validation import validate_fmu
+
+from build_fmu import main as build
+from fmu_src.variables import platoon_table
+
+
+@pytest.fixture(scope="module")
+def archive(fmu) -> zipfile.ZipFile:
+    return zipfile.ZipFile(fmu.path)
+
+
+@pytest.fixture(scope="module")
+def root(archive) -> ElementTree.Element:
+    return ElementTree.fromstring(archive.read("modelDescription.xml"))
+
+
+def test_fmpy_finds_nothing_to_report(fmu, fmu_of_three):
+    assert validate_fmu(str(fmu.path)) == []
+    assert validate_fmu(str(fmu_of_three.path)) == []
+
+
+def test_two_builds_are_identical(fmu, tmp_path):
+    assert build(["--output", str(tmp_path / "a"), "--vehicles", "7"]) == 0
+    assert (tmp_path / "a" / "PspPlatoon.fmu").read_bytes() == fmu.path.read_bytes()
+
+
+def test_every_variable_has_description_unit_and_typical_size(root):
+    variables = root.findall("ModelVariables/ScalarVariable")
+    assert [variable.get("name") for variable in variables] == [row.name for row in platoon_table(7)]
+    units = {unit.get("name") for unit in root.findall("UnitDefinitions/Unit")}
+    assert all(unit.find("BaseUnit") is not None for unit in root.findall("UnitDefinitions/Unit"))
+    for variable in variables:
+        assert variable.get("description") and variable.get("variability") and variable.get("initial")
+        assert {"output": "Real"}.get(variable.get("causality"), variable[0].tag) == variable[0].tag
+        if variable[0].tag == "Real":
+            assert variable[0].get("unit") in units
+
+
+def test_dependencies_are_those_of_the_model(root):
+    names = [variable.get("name") for variable in root.findall("ModelVariables/ScalarVariable")]
+    unknowns = {
+        names[int(unknown.get("index")) - 1]: {names[int(i) - 1] for i in unknown.get("dependencies").split()}
+        for unknown in root.findall("ModelStructure/InitialUnknowns/Unknown")
+    }
+    assert unknowns["v[3]"] == {"v_start[3]"} and unknowns["s[2]"] == {"s_start[2]"} and unknowns["J"] == set()
+    assert unknowns["x[3]"] == {"x_start", "s_start[2]", "s_start[3]"}
+    assert {"T", "alpha_fixed", "v_start[1]"} <= unknowns["alpha"]
+    outputs = [names[int(unknown.get("index")) - 1] for unknown in root.findall("ModelStructure/Outputs/Unknown")]
+    assert outputs == [row.name for row in platoon_table(7) if row.causality == "output"]
+
+
+def test_the_archive_holds_what_a_user_looks_for(archive):
+    names = set(archive.namelist())
+    assert {"model.png", "documentation/index.html", "documentation/licenses/license.txt"} <= names
+    assert {"resources/platoon_7.onnx", "resources/requirements.txt", "binaries/linux64/PspPlatoon.so"} <= names
+    page = archive.read("documentation/index.html").decode()
+    for row in platoon_table(7):
+        assert f"<code>{row.name}</code>" in page and row.unit in page
+
+
+def test_a_size_without_a_network_says_so_and_starts_with_source_2(tmp_path, capsys):
+    assert build(["--vehicles", "5", "--output", str(tmp_path)]) == 0
+    assert "no network for 5 vehicles" in capsys.readouterr().out
+    with zipfile.ZipFile(tmp_path / "PspPlatoon.fmu") as archive:
+        assert b'name="parameter_source"' in archive.read("modelDescription.xml")
+        assert not [name for name in archive.namelist() if name.endswith(".onnx")]
+
+
+@pytest.mark.parametrize("arguments", [["--vehicles", "1"], ["--network", "missing.onnx"], ["--output", "/dev/null/x"]])
+def test_bad_arguments_are_one_sentence_and_exit_code_2(arguments, capsys):
+    assert build(arguments) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("build_fmu.py: ") and error.count("\n") == 1
