@@ -2,23 +2,68 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+from .bad_input import BadInput
+from .compare import cases_of
+from .options import Duration, Network, ScenarioFile, Seed, Set, Vehicles, command_line, gather
+
+if TYPE_CHECKING:
+    from psp_view.cases import Case
+
+NAMES = ("potentials", "runs", "periods", "landscape", "space-time", "phase")
 
 
 def figures(
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the pictures.")] = Path("out/figures"),
+    only: Annotated[list[str] | None, typer.Option(help=f"One of {', '.join(NAMES)}; all by default.")] = None,
+    pdf: Annotated[bool, typer.Option("--pdf", help="PDF instead of SVG besides PNG.")] = False,
+    vehicles: Vehicles = None,
+    assignments: Set = None,
+    scenario: ScenarioFile = None,
+    seed: Seed = None,
+    duration: Duration = None,
+    network: Network = None,
 ) -> None:
-    """Draw the paper's figures and some that it lacks."""
-    import numpy as np
+    """Draw the paper's figures and some that it lacks, from runs of your own start."""
+    wanted = gather(vehicles, scenario, assignments, seed, duration)
+    for name in only or ():
+        if name not in NAMES:
+            raise BadInput(f"--only {name} is not a figure: use one of {', '.join(NAMES)}")
+    from psp_view.style import save
 
-    from psp_model import BEST_FIXED, V_OLD, PlatoonState, StartDomain, simulate
-    from psp_view.runs import save_runs
+    chosen = only or list(NAMES)
+    cases = cases_of(wanted, network) if set(chosen) - {"potentials"} else []
+    makers = _makers(cases)
+    for name in chosen:
+        for file in save(makers[name](command_line()), output / f"{name}.{'pdf' if pdf else 'svg'}", command_line()):
+            typer.echo(file)
 
-    s, v = StartDomain().draw(np.random.default_rng(1), 7, 1)
-    start = PlatoonState(s[:, 0], v[:, 0])
-    runs = {"scenario 1: V_old": simulate(start, V_OLD), "scenario 2: V_new": simulate(start, BEST_FIXED)}
-    for file in save_runs(runs, output / "runs.png", f"psp figures -o {output}"):
-        typer.echo(file)
+
+def _makers(cases: list[Case]) -> dict[str, Callable[[str], Any]]:
+    """What draws each figure, given the command for its caption."""
+    from psp_view import motion, period, potentials, runs
+
+    named = {case.name: case.run for case in cases}
+    return {
+        "potentials": potentials.draw_potentials,
+        "runs": lambda command: runs.draw_runs(named, command),
+        "periods": lambda command: period.draw_periods({case.name: case.certificate for case in cases}, command),
+        "landscape": lambda command: _landscape(cases, command),
+        "space-time": lambda command: motion.draw_space_time(named, command, cases[0].setup.start.constants),
+        "phase": lambda command: motion.draw_phase(named, command),
+    }
+
+
+def _landscape(cases: list[Case], command: str) -> Any:
+    """The landscape from the first case's start, with what the cases chose on it."""
+    from psp_view.landscape import draw_landscape, landscape
+
+    setup = cases[0].setup
+    scene = landscape(setup.start, weights=setup.weights, T=setup.sampling.T)
+    choices = {case.name: (case.shape, case.run.J) for case in cases if not case.setup.request.old}
+    return draw_landscape(scene, choices, command)
