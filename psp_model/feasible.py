@@ -27,6 +27,7 @@ SLOPE_ERROR = 1e-9  # [m/s2] `max_slope` is this close to the true maximum, or c
 _FIRST_CELLS = 64  # cells that the hill is first cut into
 _CHILDREN = 8  # cells that each undecided cell is cut into
 _P_ERROR = 2.0**-40  # [1] how close the projection comes to the slope limit, in p; in r [m] likewise
+_ALPHA_ERROR = 1e-9  # [1] how close the flattest hill is found, in alpha
 _PROBES = 33  # starting points of the projection's search in r
 
 
@@ -135,6 +136,8 @@ def project(shape: PotentialParameters, constants: PlatoonParameters) -> Potenti
 
     A feasible triple is returned unchanged.  Otherwise p is lowered as far as needed; where even p = 3 is too steep,
     r is raised as far as needed at p = 3; where even that fails, alpha falls to its lower bound and r is raised again.
+    What is left then is the flattest hill of all: p = 3, r at its upper bound, and the alpha that balances the hill's
+    two sides there.
 
     Parameters
     ----------
@@ -162,7 +165,23 @@ def project(shape: PotentialParameters, constants: PlatoonParameters) -> Potenti
         for r in np.linspace(shape.r, r_max, _PROBES)[1:].tolist():
             if slope_within_limit(replace(flat, r=r), constants):
                 return replace(flat, r=_last_feasible(flat, "r", r, shape.r, constants))
+    flattest = _flattest(replace(lowest, r=r_max), constants)
+    if slope_within_limit(flattest, constants):
+        return flattest
     raise ModelError("empty", constants.z)
+
+
+def _flattest(shape: PotentialParameters, constants: PlatoonParameters) -> PotentialParameters:
+    """`shape` with the alpha of least max |V'|, which is convex in alpha as V' is linear in it: thirds are cut off."""
+    low, high = ALPHA_MIN, ALPHA_MAX
+    while high - low > _ALPHA_ERROR:
+        third = (high - low) / 3.0
+        one, other = replace(shape, alpha=low + third), replace(shape, alpha=high - third)
+        if max_slope(one, constants) < max_slope(other, constants):
+            high = other.alpha
+        else:
+            low = one.alpha
+    return replace(shape, alpha=0.5 * (low + high))
 
 
 def _last_feasible(

@@ -158,6 +158,25 @@ def test_project_for_other_constants(shape: PotentialParameters, constants: Plat
     assert project(inside, constants) == inside
 
 
+@pytest.mark.parametrize("room", [0.2, 0.8, 2.0, 10.0])
+def test_project_finds_the_last_feasible_triple(room: float) -> None:
+    """With z between the flattest hill of all, found by a grid in alpha and r, and what alpha = 1e-3 can do."""
+    constants = PlatoonParameters(lam=8.0 + room)
+    slopes = [
+        max_slope(PotentialParameters(float(alpha), r, 3.0), constants)
+        for alpha in np.geomspace(ALPHA_MIN, ALPHA_MAX, 60)
+        for r in (5 + 0.5 * room, 5 + 0.9 * room, 5 + room)
+    ]
+    tight = replace(constants, z=min(slopes) * (1 + 1e-6))
+    assert min(slopes) < max_slope(PotentialParameters(ALPHA_MIN, 5 + room, 3.0), constants)
+    for alpha in (ALPHA_MIN, 0.01, ALPHA_MAX):
+        inside = project(PotentialParameters(alpha, 6.0, 5.0), tight)
+        require_feasible(inside, tight)
+        assert project(inside, tight) == inside
+    with pytest.raises(ModelError, match="no alpha, r, p"):
+        project(BEST_FIXED, replace(constants, z=min(slopes) * 0.98))
+
+
 @pytest.mark.parametrize("shape", [PotentialParameters(1e-3, 9.0, 9.0), PotentialParameters(1e-1, 15.0, 8.0)])
 def test_project_lowers_p_no_further_than_needed(shape: PotentialParameters) -> None:
     inside = project(shape, CONSTANTS)
