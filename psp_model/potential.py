@@ -22,6 +22,20 @@ def _hill_parts(s: Any, shape: PotentialShape) -> tuple[Any, Any, Any, Any]:
     return t, q, q ** (shape.p - 1.0), on_hill
 
 
+def on_hill(s: Any, shape: PotentialShape) -> Any:
+    """Whether s lies on the hill, r < s < r + 3 m; off the hill the potential needs no power.
+
+    Parameters
+    ----------
+    s : (n-1, ...) array, gaps [m]
+
+    Returns
+    -------
+    (n-1, ...) array of booleans
+    """
+    return _hill_parts(s, shape)[3]
+
+
 def potential(s: Any, shape: PotentialShape, constants: Constants) -> Any:
     """V(s) = alpha (lambda - s)^3 / (s - L) + ((r + 3 - s)(s - r))^p / (s - L)^2.
 
