@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from build_fmu import main as build
 
 ROOT = Path(__file__).parents[1]
@@ -57,7 +58,10 @@ def test_a_python_snippet_of_the_readme(snippet, workplace):
     subprocess.run([sys.executable, "-c", snippet], cwd=workplace, check=True, capture_output=True)
 
 
-@pytest.mark.parametrize("command", re.findall(r"^    (fmpy .*)$", README, re.MULTILINE), ids=["info", "validate", "run"])
+COMMANDS = re.findall(r"^    (fmpy .*)$", README, re.MULTILINE)
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=["info", "validate", "simulate"])
 def test_a_command_of_the_readme(command, workplace):
     words = [word for word in shlex.split(command)[1:] if word != "--show-plot"]
     subprocess.run([sys.executable, "-m", "fmpy", *words], cwd=workplace, check=True, capture_output=True)
