@@ -50,9 +50,9 @@ def shapes() -> st.SearchStrategy[PotentialParameters]:
 
 
 @st.composite
-def omega(draw: Any, closest: float, vehicles: st.SearchStrategy[int] | None = None) -> tuple[Vector, Vector]:
+def omega(draw: Any, closest: float, most: int = 30) -> tuple[Vector, Vector]:
     """Gaps and speeds anywhere in Omega, with gaps down to L + closest and speeds of 0 and v_max included."""
-    n = draw(vehicles or st.integers(2, 30))
+    n = draw(st.integers(2, most))
     near = st.floats(math.log(closest), math.log(60.0)).map(lambda y: CONSTANTS.L + max(math.exp(y), closest))
     speed = st.floats(0, CONSTANTS.v_max) | st.sampled_from([0.0, CONSTANTS.v_max, CONSTANTS.v_star])
     s = draw(st.lists(near | st.floats(5.5, 25), min_size=n - 1, max_size=n - 1))
