@@ -1,0 +1,36 @@
+/* What an instance of the native FMU holds. */
+#ifndef PSP_NATIVE_MODEL_H
+#define PSP_NATIVE_MODEL_H
+
+#include "platoon.h"
+
+/* The whole state of an instance; a saved state is a copy of it. */
+typedef struct {
+    double values[PSP_COUNT]; /* by value reference: parameters as set, outputs as last computed */
+    double start_time, time;  /* start and last communication point [s] */
+    double in_domain;
+    int32_t initialising, has_platoon;
+    int32_t stale; /* the outputs in values lag behind the platoon */
+    int32_t unused;
+    Platoon platoon;
+} Model;
+
+struct Backend {
+    Front *front;
+    Model model;
+};
+
+extern const char *const PSP_VARIABLE_NAMES[PSP_COUNT];
+
+/* Makes the platoon that the parameters describe; false on failure, which has been logged. */
+bool native_initialise(Backend *backend);
+
+/* Brings the outputs in `values` up to date; false on failure, which has been logged. */
+bool native_refresh(Backend *backend);
+
+static inline bool native_is_integer(fmi2ValueReference reference)
+{
+    return reference - PSP_FIRST_INTEGER < PSP_INTEGER_COUNT;
+}
+
+#endif

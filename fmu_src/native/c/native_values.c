@@ -1,0 +1,72 @@
+/* The variables of the native FMU by value reference. */
+#include "native_model.h"
+
+const char *const PSP_VARIABLE_NAMES[PSP_COUNT] = PSP_NAMES;
+
+static fmi2Status unknown_reference(Backend *backend, fmi2ValueReference reference, const char *type)
+{
+    return front_fail(backend->front, PSP_SENTENCE_reference, (int)reference, type);
+}
+
+fmi2Status backend_get_real(Backend *backend, const fmi2ValueReference vr[], size_t count, fmi2Real value[])
+{
+    const double *values = backend->model.values;
+    if (backend->model.stale && !native_refresh(backend)) return fmi2Error;
+    for (size_t i = 0; i < count; i++) {
+        if (vr[i] >= PSP_COUNT || native_is_integer(vr[i])) return unknown_reference(backend, vr[i], "Real");
+        value[i] = values[vr[i]];
+    }
+    return fmi2OK;
+}
+
+fmi2Status backend_get_integer(Backend *backend, const fmi2ValueReference vr[], size_t count, fmi2Integer value[])
+{
+    if (backend->model.stale && !native_refresh(backend)) return fmi2Error;
+    for (size_t i = 0; i < count; i++) {
+        if (!native_is_integer(vr[i])) return unknown_reference(backend, vr[i], "Integer");
+        value[i] = (fmi2Integer)backend->model.values[vr[i]];
+    }
+    return fmi2OK;
+}
+
+/* Whether a variable may be set now; logs why not. */
+static bool settable(Backend *backend, fmi2ValueReference reference, bool integer)
+{
+    if (reference >= PSP_COUNT || native_is_integer(reference) != integer)
+        unknown_reference(backend, reference, integer ? "Integer" : "Real");
+    else if (reference >= PSP_FIRST_OUTPUT)
+        front_fail(backend->front, PSP_SENTENCE_output, PSP_VARIABLE_NAMES[reference]);
+    else if (backend->model.has_platoon && !backend->model.initialising)
+        front_fail(backend->front, PSP_SENTENCE_fixed, PSP_VARIABLE_NAMES[reference]);
+    else
+        return true;
+    return false;
+}
+
+#define SET(function, type, integer)                                                                                   \
+    fmi2Status function(Backend *backend, const fmi2ValueReference vr[], size_t count, const type value[])             \
+    {                                                                                                                  \
+        for (size_t i = 0; i < count; i++) {                                                                           \
+            if (!settable(backend, vr[i], integer)) return fmi2Error;                                                  \
+        }                                                                                                              \
+        for (size_t i = 0; i < count; i++) backend->model.values[vr[i]] = (double)value[i];                            \
+        backend->model.has_platoon = 0;                                                                                \
+        backend->model.stale = 1;                                                                                      \
+        return fmi2OK;                                                                                                 \
+    }
+
+SET(backend_set_real, fmi2Real, false)
+SET(backend_set_integer, fmi2Integer, true)
+
+/* The FMU has no Boolean and no String variables. */
+#define NONE(function, type, name)                                                                                     \
+    fmi2Status function(Backend *backend, const fmi2ValueReference vr[], size_t count, type value[])                   \
+    {                                                                                                                  \
+        (void)count, (void)value;                                                                                      \
+        return unknown_reference(backend, vr[0], name);                                                                \
+    }
+
+NONE(backend_get_boolean, fmi2Boolean, "Boolean")
+NONE(backend_get_string, fmi2String, "String")
+NONE(backend_set_boolean, const fmi2Boolean, "Boolean")
+NONE(backend_set_string, const fmi2String, "String")

@@ -1,0 +1,91 @@
+/* The network: Gemm and Relu over the tables in psp_network.h, which come from the ONNX file. */
+#include "platoon.h"
+
+#include <stddef.h>
+#include <stdlib.h>
+
+#include "psp_network.h"
+
+#if PSP_NETWORK
+/* y = W x + b, then max(y, 0) where the layer says so; both vectors have room for PSP_WIDEST numbers. */
+static void apply(const PspLayer *layer, const float *input, float *output)
+{
+    for (int row = 0; row < layer->rows; row++) {
+        const float *weights = layer->weights + (size_t)row * (size_t)layer->columns;
+        float sum = 0.0f;
+        for (int column = 0; column < layer->columns; column++) sum += weights[column] * input[column];
+        sum += layer->bias[row];
+        output[row] = layer->relu && !(sum > 0.0f) ? 0.0f : sum;
+    }
+}
+
+static const float *run(const PspLayer *layers, int count, const double *s, const double *v, float buffer[2][PSP_WIDEST])
+{
+    for (int i = 0; i < PSP_N - 1; i++) buffer[0][i] = (float)s[i];
+    for (int i = 0; i < PSP_N; i++) buffer[0][PSP_N - 1 + i] = (float)v[i];
+    for (int k = 0; k < count; k++) apply(&layers[k], buffer[k % 2], buffer[1 - k % 2]);
+    return buffer[count % 2];
+}
+
+static Shape triple(const float *row)
+{
+    const Shape shape = {(double)row[0], (double)row[1], (double)row[2], 1.0};
+    return shape;
+}
+
+#if PSP_DICTIONARY
+/* Puts the rows of the dictionary with the highest scores into `best`; of equal scores the first row wins. */
+static int ranked(const float *scores, int count, Shape *best)
+{
+    bool taken[PSP_DICTIONARY] = {false};
+    int found = 0;
+    for (; found < count && found < PSP_DICTIONARY; found++) {
+        int top = -1;
+        for (int k = 0; k < PSP_DICTIONARY; k++) {
+            if (!taken[k] && (top < 0 || scores[k] > scores[top])) top = k;
+        }
+        taken[top] = true;
+        best[found] = triple(PSP_DICTIONARY_ROWS[top]);
+    }
+    return found;
+}
+#endif
+
+int network_candidates(const double *s, const double *v, int count, Shape *candidates)
+{
+    float buffer[2][PSP_WIDEST];
+    candidates[0] = triple(run(PSP_PARAMETER_LAYERS, PSP_PARAMETER_LAYER_COUNT, s, v, buffer));
+#if PSP_DICTIONARY
+    if (count > 1)
+        return 1 + ranked(run(PSP_SCORE_LAYERS, PSP_SCORE_LAYER_COUNT, s, v, buffer), count - 1, candidates + 1);
+#endif
+    (void)count;
+    return 1;
+}
+
+const char *outside_domain(const double *s, const double *v, const Constants *c)
+{
+    const Constants trained = PSP_TRAINED_CONSTANTS;
+    if (c->L != trained.L || c->lam != trained.lam || c->v_star != trained.v_star || c->v_max != trained.v_max ||
+        c->epsilon != trained.epsilon || c->mu != trained.mu || c->z != trained.z)
+        return "other constants than the network was trained with";
+    bool inside = true;
+    for (int i = 0; i < PSP_N; i++) inside = inside && v[i] >= PSP_SPEED_MIN && v[i] <= PSP_SPEED_MAX;
+    for (int i = 0; i < PSP_N - 1; i++)
+        inside = inside && s[i] >= PSP_GAP_MIN && s[i] <= PSP_GAP_MAX && s[i] > PSP_STANDSTILL + PSP_HEADWAY * v[i + 1];
+    return inside ? NULL : "gaps or speeds outside the network's training domain";
+}
+
+#else
+int network_candidates(const double *s, const double *v, int count, Shape *candidates)
+{
+    (void)s, (void)v, (void)count, (void)candidates;
+    return 0;
+}
+
+const char *outside_domain(const double *s, const double *v, const Constants *constants)
+{
+    (void)s, (void)v, (void)constants;
+    return "no network";
+}
+#endif
