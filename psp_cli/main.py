@@ -11,7 +11,7 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
-from . import build, certify, compare, figures, simulate
+from . import build, certify, compare, dataset, figures, report, simulate
 from .bad_input import BadInput
 
 
@@ -24,8 +24,9 @@ class Commands(TyperGroup):
             return super().invoke(ctx)
         except (BadInput, ValueError) as error:
             from psp_model.errors import ModelError
+            from psp_model.offline.errors import OfflineError
 
-            if not isinstance(error, BadInput | ModelError):
+            if not isinstance(error, BadInput | ModelError | OfflineError):
                 raise
             typer.echo(f"psp: {error}", err=True)
             raise typer.Exit(2) from None
@@ -49,3 +50,5 @@ app.command("simulate")(simulate.simulate)
 app.command("compare")(compare.compare)
 app.command("certify")(certify.certify)
 app.command("figures")(figures.figures)
+app.command("report")(report.report)
+app.command("dataset")(dataset.dataset)

@@ -6,7 +6,7 @@ nothing here uses a derivative (ours).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -43,20 +43,29 @@ class Effort:
     Attributes
     ----------
     r_step : spacing of the main grid, at the smallest alpha [m]
-    levels : levels of p on it
+    levels : cells of p on it
     alphas : further values of alpha, on grids of twice the spacing
+    grid_periods : sampling periods that the grids' rollouts take at a time; everything later takes one
     seeds, survivors : minima that are refined in the first round, and in the later ones
     rounds : of refinement; the pattern is halved after each
     finalists : candidates that are compared in float64
     """
 
     r_step: float = 0.1
-    levels: int = 13
+    levels: int = 12
     alphas: tuple[float, ...] = (2e-3, 4e-3)
+    grid_periods: int = 2
     seeds: int = 8
     survivors: int = 3
-    rounds: int = 6
+    rounds: int = 5
     finalists: int = 3
+
+
+EFFORTS = {
+    "full": Effort(),
+    "quick": Effort(r_step=0.15, levels=11, alphas=(), seeds=3, survivors=1, rounds=3, finalists=1),
+}
+"""`full` for optima that others are judged by, `quick` for the many starts that training on cost wants."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +77,7 @@ class Solutions:
     triples : (B, 3) alpha [1], r [m], p [1], feasible
     J : (B,) objective, in float64
     T_max : (B,) smallest bound of Lemma 1 on the way [s]
-    tables : (B, R, P) float32, J on the main grid; infinite where no p is feasible
+    tables : (B, R, P) float32, J on the main grid, at `grid_periods` T; infinite where no p is feasible
     """
 
     triples: Array
@@ -82,7 +91,7 @@ class Search:
 
     Attributes
     ----------
-    problem, effort : what is solved and how hard
+    problem, effort : what is solved and how hard; the horizon is an even multiple of T
     grid : the main grid, at the smallest alpha
     """
 
@@ -90,6 +99,7 @@ class Search:
         self.problem, self.effort = problem, effort or Effort()
         self.limit = SlopeLimit(problem.constants)
         self.single, self.double = Engine(problem, "float", threads), Engine(problem, "double", threads)
+        self.coarse = Engine(replace(problem, T=problem.T * self.effort.grid_periods), "float", threads)
         self.grid = self._grid(ALPHA_MIN, 1)
 
     def _grid(self, alpha: float, coarseness: int) -> Grid:
@@ -118,6 +128,7 @@ class Search:
         found = [_minima(table, grid, effort.seeds) for table, grid in zip(tables, grids, strict=True)]
         places, J = (np.concatenate(parts, axis=1) for parts in zip(*found, strict=True))
         places, J = _best(places, J, effort.seeds)
+        J = np.full(J.shape, np.inf)  # what the grids say holds for their sampling period only
         steps = np.array([np.log(1.5), 0.5 * effort.r_step, 0.5 / effort.levels])
         for number in range(effort.rounds):
             places, J = self._refine(starts, places, J, steps * 0.5**number)
@@ -132,7 +143,7 @@ class Search:
         (B, R, P) float32 array; infinite where no p is feasible
         """
         triples, feasible = self.limit.triples(np.array(grid.alpha), grid.r[:, None], grid.level)
-        J = self._costs(starts, np.broadcast_to(triples, (len(starts), *triples.shape)))
+        J = self._costs(starts, np.broadcast_to(triples, (len(starts), *triples.shape)), self.coarse)
         return np.where(feasible, J, np.float32(np.inf))
 
     def _costs(self, starts: Array, triples: Array, engine: Engine | None = None) -> Array:

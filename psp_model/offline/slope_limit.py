@@ -14,7 +14,7 @@ from ..potential import potential_slope
 
 Array = NDArray[Any]
 
-_ALPHAS, _R_STEP, _POINTS, _HALVINGS = 47, 0.02, 241, 26
+_ALPHAS, _R_STEP, _POINTS, _HALVINGS = 25, 0.05, 241, 20
 MARGIN = 2e-4  # [1] in p, kept from the limit because the table is interpolated; J does not notice
 
 
@@ -39,7 +39,7 @@ class SlopeLimit:
 
     @cached_property
     def _axes(self) -> tuple[Array, Array]:
-        lowest, highest = self.constants.L + _R_STEP, self.constants.lam - HILL_WIDTH
+        lowest, highest = self.constants.L + 0.02, self.constants.lam - HILL_WIDTH
         r = np.linspace(lowest, highest, max(2, round((highest - lowest) / _R_STEP) + 1))
         return np.linspace(np.log(ALPHA_MIN), np.log(ALPHA_MAX), _ALPHAS), r
 

@@ -1,0 +1,119 @@
+"""Making a data set of global optima: chunk by chunk, so that an interruption costs at most one chunk."""
+
+from __future__ import annotations
+
+import io
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .errors import OfflineError
+from .parquet import write_dataset
+from .plan import Plan, solve_chunk
+
+
+def make_dataset(
+    plan: Plan,
+    path: Path,
+    *,
+    resume: bool = False,
+    scheduler: str | None = None,
+    threads: int | None = None,
+    watch: Callable[[int, int], None] = lambda done, chunks: None,
+) -> None:
+    """Solve a plan and write its Parquet file; whoever solves which chunk when, the file is the same.
+
+    Solved chunks are kept in `<path>.parts/` until the file is complete.
+
+    Parameters
+    ----------
+    plan : what to solve
+    path : the Parquet file
+    resume : go on where an interrupted run of the same plan stopped
+    scheduler : address of a Dask scheduler whose workers solve the chunks; this machine does where it is None
+    threads : for the rollouts on this machine; None for one per core
+    watch : called with how many chunks of how many are done
+
+    Raises
+    ------
+    OfflineError : where files are in the way, belong to another plan, or cannot be written
+    """
+    parts = path.with_name(path.name + ".parts")
+    try:
+        _prepare(parts, path, plan, resume)
+        missing = [number for number in range(plan.chunks) if not _part(parts, number).exists()]
+        watch(plan.chunks - len(missing), plan.chunks)
+        solved = _on_cluster(plan, missing, scheduler) if scheduler else _here(plan, missing, threads)
+        for done, (number, content) in enumerate(solved, start=plan.chunks - len(missing) + 1):
+            write_whole(_part(parts, number), content)
+            watch(done, plan.chunks)
+        write_dataset(plan, _assembled(parts, plan.chunks), path)
+        shutil.rmtree(parts)
+    except OSError as error:
+        remedy = "make room there and run the same command with --resume"
+        raise OfflineError(f"{path} could not be written ({error.strerror or error}): {remedy}") from None
+
+
+def _prepare(parts: Path, path: Path, plan: Plan, resume: bool) -> None:
+    """Make the folder of the parts, or check that it belongs to this plan."""
+    if path.exists() and not parts.exists():
+        raise OfflineError(f"{path} exists already: remove it or give --output another name")
+    note = parts / "plan.json"
+    if note.exists() and not resume:
+        raise OfflineError(f"{parts} holds an unfinished run: go on with --resume, or remove that folder")
+    if note.exists() and note.read_text() != plan.as_json():
+        raise OfflineError(f"{parts} was begun with other options than these: repeat those, or remove that folder")
+    parts.mkdir(parents=True, exist_ok=True)
+    write_whole(note, plan.as_json().encode())
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file so that it is there in full or not at all, also after a crash."""
+    partial = path.with_name(path.name + ".partial")
+    try:
+        with partial.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        partial.replace(path)
+    except OSError:
+        partial.unlink(missing_ok=True)
+        raise
+
+
+def _part(parts: Path, number: int) -> Path:
+    return parts / f"{number:06d}.npz"
+
+
+def _assembled(parts: Path, count: int) -> dict[str, Any]:
+    """The columns of all parts, in order."""
+    loaded = [np.load(io.BytesIO(_part(parts, number).read_bytes())) for number in range(count)]
+    return {name: np.concatenate([part[name] for part in loaded]) for name in loaded[0].files}
+
+
+def _here(plan: Plan, missing: list[int], threads: int | None) -> Iterator[tuple[int, bytes]]:
+    for number in missing:
+        yield number, solve_chunk(plan, number, threads)
+
+
+def _on_cluster(plan: Plan, missing: list[int], scheduler: str) -> Iterator[tuple[int, bytes]]:
+    """Solved chunks as the cluster hands them in; a chunk whose worker died is solved again by another."""
+    from distributed import Client, as_completed
+
+    try:
+        client = Client(scheduler, timeout="10s")
+    except (OSError, ValueError, TimeoutError):
+        raise OfflineError(
+            f"no Dask scheduler answers at {scheduler!r}: start one, or leave --scheduler out to use this machine"
+        ) from None
+    with client:
+        numbers = {
+            client.submit(solve_chunk, plan, number, 1, pure=False, retries=10): number for number in missing
+        }
+        for future in as_completed(list(numbers)):
+            yield numbers[future], future.result()
+            future.release()

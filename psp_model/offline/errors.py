@@ -1,0 +1,7 @@
+"""What goes wrong offline: files and options, as opposed to values outside the model's domain."""
+
+from __future__ import annotations
+
+
+class OfflineError(ValueError):
+    """One sentence: what was found, what was expected, remedy."""
