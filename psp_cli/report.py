@@ -1,0 +1,38 @@
+"""`psp report`: runs in one HTML file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .compare import cases_of
+from .options import Duration, Network, ScenarioFile, Seed, Set, Vehicles, command_line, gather, network_file
+
+
+def report(
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE.html")] = Path("out/report.html"),
+    vehicles: Vehicles = None,
+    assignments: Set = None,
+    scenario: ScenarioFile = None,
+    seed: Seed = None,
+    duration: Duration = None,
+    network: Network = None,
+    title: Annotated[str, typer.Option(help="Heading.")] = "Platoon report",
+    animate: Annotated[
+        Path | None, typer.Option(metavar="FILE.mp4|gif", help="Also draw the platoon on the road as a film.")
+    ] = None,
+) -> None:
+    """Write a report on the runs of `psp compare`, or those a scenario names: one HTML file, no network needed."""
+    from psp_view.report import write_report
+
+    wanted = gather(vehicles, scenario, assignments, seed, duration)
+    cases = cases_of(wanted, network)
+    write_report(cases, output, command_line(), network_file(wanted.vehicles, network), title)
+    typer.echo(f"{output}: {output.stat().st_size / 1e6:.1f} MB")
+    if animate is not None:
+        from psp_view.film import write_film
+
+        write_film(cases, animate)
+        typer.echo(animate)

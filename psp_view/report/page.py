@@ -1,0 +1,96 @@
+"""The report's page, put together from its parts."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import json
+from collections.abc import Sequence
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+
+from psp_model.network import ParameterNetwork
+
+from ..cases import Case
+from . import tables
+from .payload import payload
+from .provenance import hashes, network_hash, versions
+from .thin import TOLERANCE
+
+_SCRIPTS = ("data.js", "road.js", "plots.js")
+
+
+def report_html(
+    cases: Sequence[Case], command: str, network: ParameterNetwork | None = None, title: str = "Platoon report"
+) -> str:
+    """One self-contained HTML page about runs of the same platoon.
+
+    The same runs and the same command give the same page, to the byte.
+
+    Parameters
+    ----------
+    cases : the runs, all with the same number of vehicles
+    command : what makes this very page
+    network : the network that runs asked, for its hash
+    title : heading
+
+    Returns
+    -------
+    the page
+    """
+    assets = files(__package__) / "assets"
+    first = cases[0]
+    n, constants = first.run.v.shape[1], first.setup.start.constants
+    duration = max(float(case.run.time[-1]) for case in cases)
+    page = Template((assets / "page.html").read_text(encoding="utf-8"))
+    return page.substitute(
+        title=escape(title),
+        subtitle=f"{n} vehicles, {duration:g} s, {len(cases)} runs",
+        css=(assets / "report.css").read_text(encoding="utf-8"),
+        summary=tables.summary(cases),
+        warnings=tables.warnings(cases),
+        v_star=f"{constants.v_star:g}",
+        duration=f"{duration:.10g}",
+        vehicles=n,
+        thinned=f"Lines are thinned: none is off by more than {TOLERANCE:.2%} of its plot's range. "
+        "The tables use all points.",
+        certificate=tables.certificate(cases),
+        parameters=tables.parameters(cases),
+        start=tables.start(cases),
+        command=escape(command),
+        provenance=tables.provenance(versions() | network_hash(network) | hashes(cases)),
+        plotly=_packed(_plotly()),
+        data=_packed(json.dumps(payload(cases), separators=(",", ":"))),
+        js="\n".join((assets / name).read_text(encoding="utf-8") for name in _SCRIPTS),
+    )
+
+
+def _plotly() -> str:
+    from plotly.offline import get_plotlyjs
+
+    return str(get_plotlyjs())
+
+
+def _packed(text: str) -> str:
+    """Text as base64 of gzip, the same every time."""
+    return base64.b64encode(gzip.compress(text.encode(), 9, mtime=0)).decode()
+
+
+def write_report(
+    cases: Sequence[Case],
+    path: Path,
+    command: str,
+    network: ParameterNetwork | None = None,
+    title: str = "Platoon report",
+) -> None:
+    """Write `report_html` to a file.
+
+    Parameters
+    ----------
+    cases, command, network, title : as for `report_html`
+    path : the file; missing folders are made
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(report_html(cases, command, network, title), encoding="utf-8", newline="\n")
