@@ -45,7 +45,7 @@ class Sampling:
 
     Raises
     ------
-    ModelError : where T is not positive and finite
+    ModelError : where T is not positive and finite, the policy is none of the three, or no short period is allowed
     """
 
     T: float = 0.01
@@ -57,6 +57,11 @@ class Sampling:
             raise ModelError("finite", "T", self.T, "s")
         if not self.T > 0:
             raise ModelError("T", self.T)
+        if self.policy not in list(Lemma1Policy):
+            raise ModelError("choice", "lemma1_policy", self.policy, min(Lemma1Policy), max(Lemma1Policy))
+        object.__setattr__(self, "policy", Lemma1Policy(self.policy))  # a plain 1, 2 or 3 will do
+        if self.max_short_periods < 1:
+            raise ModelError("count", "max_short_periods", self.max_short_periods)
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .errors import ModelError
 from .objective import HORIZON
 from .parameters import ObjectiveWeights, PotentialParameters
 from .platoon import SampledPlatoon, Sampling, locate
@@ -68,11 +70,15 @@ def simulate(
 
     Raises
     ------
-    ModelError : as `SampledPlatoon` does
+    ModelError : as `SampledPlatoon` does, and where duration or output_step makes no sense
     """
     sampling = sampling or Sampling()
+    step = sampling.T if output_step is None else output_step
+    if not 0 <= duration < inf:
+        raise ModelError("duration", duration)
+    if not 0 < step < inf:
+        raise ModelError("output_step", step)
     platoon = SampledPlatoon(start, shape, weights or ObjectiveWeights(), sampling)
-    step = output_step or sampling.T
     times = step * np.arange(locate(duration, step)[0] + 1, dtype=np.float64)
     rows, T_max = [], []
     for time in times:
