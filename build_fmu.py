@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from fmu_src.python_runtime import build_python_fmu, network_for
+from fmu_src.python_runtime import NetworkFile, build_python_fmu, network_for
 from psp_model import ModelError
 
 
@@ -20,8 +20,32 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--vehicles", type=int, default=7, metavar="N", help="vehicles, at least 2 (7)")
     parser.add_argument("--output", type=Path, default=Path("dist"), metavar="DIR", help="folder to write to (dist)")
+    parser.add_argument("--runtime", choices=["python", "native"], default="python", help="of the FMU (python)")
+    text = "native: libraries for this machine, or for Linux, Windows and macOS (host)"
+    parser.add_argument("--platforms", choices=["host", "all"], default="host", help=text)
     parser.add_argument("--network", type=Path, metavar="FILE", help="network instead of onnx/platoon_N.onnx")
     return parser.parse_args(arguments)
+
+
+def build(options: argparse.Namespace, network: NetworkFile | None) -> Path:
+    """Build the FMU of the runtime asked for.
+
+    Parameters
+    ----------
+    options : from `parse`
+    network : that goes into the FMU
+
+    Raises
+    ------
+    RuntimeError : where what builds the native FMU is missing
+    """
+    if options.runtime == "python":
+        return build_python_fmu(options.vehicles, options.output, network)
+    try:
+        from fmu_src.native.build import build_native_fmu, chosen_platforms
+    except ImportError as error:
+        raise RuntimeError(f"the native FMU needs {error.name}: pip install 'psp-platoon[native]'") from None
+    return build_native_fmu(options.vehicles, options.output, chosen_platforms(options.platforms), network)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -36,8 +60,8 @@ def main(arguments: list[str] | None = None) -> int:
         if options.vehicles < 2:
             raise ModelError("vehicles", options.vehicles)
         network = network_for(options.vehicles, options.network)
-        path = build_python_fmu(options.vehicles, options.output, network)
-    except (ModelError, OSError) as error:
+        path = build(options, network)
+    except (ModelError, OSError, RuntimeError) as error:
         print(f"build_fmu.py: {error}", file=sys.stderr)
         return 2
     print(f"{path}: {options.vehicles} vehicles, {path.stat().st_size / 1024:.0f} KiB")

@@ -31,11 +31,11 @@ def running_cost(s: Any, v: Any, a: Any, tau: Any, weights: ObjectiveWeights) ->
     return acceleration_cost(total(a * a), tau, weights), gap_cost(total(s), *ends, tau, weights)
 
 
-def acceleration_cost(squares: Any, tau: Any, weights: ObjectiveWeights) -> Any:
+def acceleration_cost(squares: Any, tau: Any, weights: Any) -> Any:
     """w1 tau sum a^2 / a_ref^2 from the sum of the squared accelerations [m2/s4]."""
     return weights.w1 / weights.a_ref**2 * tau * squares
 
 
-def gap_cost(gaps: Any, dv: Any, da: Any, tau: Any, weights: ObjectiveWeights) -> Any:
+def gap_cost(gaps: Any, dv: Any, da: Any, tau: Any, weights: Any) -> Any:
     """w2 (tau sum s + tau^2/2 dv + tau^3/6 da) / s_ref from the sum of the gaps [m], v_1 - v_n and a_1 - a_n."""
     return weights.w2 / weights.s_ref * (tau * (gaps + tau * (0.5 * dv + tau / 6.0 * da)))

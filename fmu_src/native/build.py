@@ -68,7 +68,7 @@ def native_sources(
 
 
 def _notes(vehicles: int, network: NetworkFile | None) -> list[str]:
-    needs = "Needs nothing from outside.  sources/ holds the C sources: `fmpy compile` builds them for another platform."
+    needs = "Needs nothing from outside.  sources/ holds the C sources; `fmpy compile` builds them for other platforms."
     if network is None:
         return [f"There is no network for {vehicles} vehicles in this FMU, so parameter_source starts at 2.", needs]
     bounds = ", ".join(f"{name} = {value:.10g}" for name, value in network.domain.items())

@@ -34,7 +34,9 @@ def host_platform() -> str:
     """
     name = {"Linux": "linux64", "Windows": "win64", "Darwin": "darwin64"}.get(system())
     if name is None or (name != "darwin64" and machine() not in ("x86_64", "AMD64")):
-        raise RuntimeError(f"there is no native FMU for {system()} on {machine()}: build with --platforms all elsewhere")
+        raise RuntimeError(
+            f"there is no native FMU for {system()} on {machine()}: build with --platforms all elsewhere"
+        )
     return name
 
 

@@ -73,7 +73,7 @@ def _inline(name: str, inputs: Symbols, outputs: Symbols) -> str:
         arguments += [f"double *out_{place}" for place in range(len(outputs))]
         kind = "void"
     if "arg[" in body or "res[" in body:
-        raise RuntimeError(f"CasADi {casadi.__version__} writes C in a form that is not understood here")
+        raise RuntimeError("this version of CasADi writes C in a form that is not understood here")
     return f"\nstatic inline {kind} psp_{name}({', '.join(arguments)})\n{{\n{body}}}\n"
 
 

@@ -8,10 +8,10 @@ from itertools import groupby
 from typing import Any
 
 import numpy as np
-import onnx
-from onnx import numpy_helper
 from onnx.helper import get_attribute_value
 
+import onnx
+from onnx import numpy_helper
 from psp_model.errors import SENTENCES
 from psp_model.network import DICTIONARY, INPUT, PARAMETERS, SCORES
 from psp_model.parameters import ALPHA_MAX, ALPHA_MIN, P_MAX, P_MIN
@@ -45,7 +45,12 @@ def model_header(table: Sequence[Variable], vehicles: int, guid: str, network: N
     if integers != list(range(integers[0], integers[0] + len(integers))):
         raise ValueError("the Integer variables must stand together in the table")
     starts = [variable.start for variable in table if variable.start is not None]
-    defines = {"N": vehicles, "COUNT": len(table), "FIRST_OUTPUT": len(starts), "NETWORK": int(network is not None)}
+    defines: dict[str, object] = {
+        "N": vehicles,
+        "COUNT": len(table),
+        "FIRST_OUTPUT": len(starts),
+        "NETWORK": int(network is not None),
+    }
     defines |= {"FIRST_INTEGER": f"{integers[0]}u", "INTEGER_COUNT": f"{len(integers)}u", "GUID": _text(guid)}
     defines |= {"ALPHA_MIN": ALPHA_MIN, "ALPHA_MAX": ALPHA_MAX, "P_MIN": P_MIN, "P_MAX": P_MAX}
     for group, members in groupby(enumerate(table), lambda row: _group(row[1].name)):

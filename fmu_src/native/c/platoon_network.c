@@ -7,13 +7,16 @@
 #include "psp_network.h"
 
 #if PSP_NETWORK
-/* y = W x + b, then max(y, 0) where the layer says so; both vectors have room for PSP_WIDEST numbers. */
+/* y = W x + b, then max(y, 0) where the layer says so; both vectors have room for PSP_WIDEST numbers.
+ * Products are added one after the other with a single rounding each, as onnxruntime does on processors with fused
+ * multiply-add: the products are exact in double precision.  So both FMUs get the same floats. */
 static void apply(const PspLayer *layer, const float *input, float *output)
 {
     for (int row = 0; row < layer->rows; row++) {
         const float *weights = layer->weights + (size_t)row * (size_t)layer->columns;
         float sum = 0.0f;
-        for (int column = 0; column < layer->columns; column++) sum += weights[column] * input[column];
+        for (int column = 0; column < layer->columns; column++)
+            sum = (float)((double)sum + (double)weights[column] * (double)input[column]);
         sum += layer->bias[row];
         output[row] = layer->relu && !(sum > 0.0f) ? 0.0f : sum;
     }
