@@ -22,11 +22,11 @@ lint: $(VENV)/.test
 
 # A stamp per set of extras: `make simulate` needs little, `make test` all that the tests drive.
 $(VENV)/.run: pyproject.toml | $(BIN)/python
-	$(BIN)/python -m pip install --quiet --editable '.[report]'
+	PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet --editable '.[report]'
 	touch $@
 
 $(VENV)/.test: pyproject.toml | $(BIN)/python
-	$(BIN)/python -m pip install --quiet --editable '.[report,offline,test]'
+	PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet --editable '.[report,offline,test]'
 	touch $@ $(VENV)/.run
 
 $(BIN)/python:
