@@ -11,7 +11,7 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
-from . import build, certify, compare, dataset, figures, report, simulate
+from . import build, certify, compare, dataset, evaluate, figures, optimize, report, simulate, train
 from .bad_input import BadInput
 
 
@@ -52,3 +52,6 @@ app.command("certify")(certify.certify)
 app.command("figures")(figures.figures)
 app.command("report")(report.report)
 app.command("dataset")(dataset.dataset)
+app.command("optimize")(optimize.optimize)
+app.command("train")(train.train)
+app.command("evaluate")(evaluate.evaluate)

@@ -57,7 +57,7 @@ class Effort:
     grid_periods: int = 2
     seeds: int = 8
     survivors: int = 3
-    rounds: int = 5
+    rounds: int = 6
     finalists: int = 3
 
 
@@ -172,7 +172,8 @@ class Search:
         triples, _ = self.limit.triples(np.exp(places[..., 0]), places[..., 1], places[..., 2])
         exact = self._costs(starts, triples, self.double)
         best = triples[np.arange(len(starts)), exact.argmin(axis=1)]
-        best[:, 0] = np.clip(best[:, 0], ALPHA_MIN, ALPHA_MAX)  # exp(log(bound)) may round past the bound
+        best[best[:, 0] < ALPHA_MIN * (1 + 1e-12), 0] = ALPHA_MIN  # exp(log(bound)) is not quite the bound
+        best[:, 0] = np.minimum(best[:, 0], ALPHA_MAX)
         final = np.array([_projected(triple, self.problem) for triple in best]).reshape(-1, 3)
         costs, T_max = self.double.costs(starts, np.arange(len(starts)), final)
         return Solutions(final, costs, T_max, tables)
