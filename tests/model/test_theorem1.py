@@ -110,9 +110,7 @@ def test_policy_3_lives_with_periods_far_too_long(T: float) -> None:
     assert_in_omega(instants(platoon, round(10.0 / T)))
 
 
-@pytest.mark.parametrize(
-    ("shape", "vehicles"), [(V_OLD, 4), (BEST_FIXED, 2), (BEST_FIXED, 5), (feasible_triple(3), 5)]
-)
+@pytest.mark.parametrize(("shape", "vehicles"), [(V_OLD, 4), (BEST_FIXED, 2), (BEST_FIXED, 5), (feasible_triple(3), 5)])
 def test_speeds_tend_to_v_star_and_slopes_to_0(shape: PotentialParameters, vehicles: int) -> None:
     """Near lambda V' vanishes with the square of the distance, so what remains falls as a power of time only."""
     s, v = paper_start(20 + vehicles, vehicles)
