@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -69,12 +71,12 @@ def instants(platoon: SampledPlatoon, periods: int) -> list[Instant]:
     seen: list[Instant] = [platoon.now]
     original = platoon._sample
 
-    def recorded(*args: object) -> None:
-        original(*args)  # type: ignore[arg-type]
+    def recorded(*args: Any) -> None:
+        original(*args)
         seen.append(platoon.now)
 
-    platoon._sample = recorded  # type: ignore[method-assign]
-    platoon.advance_to(periods, 0.0)
+    with patch.object(platoon, "_sample", recorded):
+        platoon.advance_to(periods, 0.0)
     return seen
 
 
