@@ -229,7 +229,7 @@ class Plots {
       chip.className = "chip";
       chip.type = "button";
       chip.setAttribute("aria-pressed", shown);
-      chip.innerHTML = `<i style="background:${colours[first - 1]}"></i>${last === 1 ? "vehicle 1, leads" : size === 1 ? "vehicle " + first : `vehicles ${first} to ${last}`}`;
+      chip.innerHTML = `<i style="background:${colours[first - 1]}"></i>${last === 1 ? "vehicle 1, leads" : first === last ? "vehicle " + first : `vehicles ${first} to ${last}`}`;
       chip.addEventListener("click", () => this.toggle(numbers, !shown));
       group.append(chip);
     }
