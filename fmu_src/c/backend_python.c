@@ -109,6 +109,12 @@ static bool readable(Front *front, const char *resources)
     return true;
 }
 
+/* pythonfmu's library lets go of the same shared pointer twice when a process on Linux ends, and writes into freed memory:
+ * its destructor function runs after the destructor of the pointer.  Letting go once before both is harmless. */
+static void (*let_go)(void) = NULL; /* the library's, not an instance's */
+
+static void let_go_at_exit(void) { let_go(); }
+
 static bool load_pythonfmu(Backend *model, const char *resources)
 {
     char path[2048], why[512];
@@ -121,6 +127,8 @@ static bool load_pythonfmu(Backend *model, const char *resources)
     if (!found)
         front_fail(model->front, "%s cannot be loaded (%s): extract the whole FMU, and install what this message names",
                    path, library_error(why, sizeof why));
+    else if (!let_go && library_function(library, "finalizePythonInterpreter", &let_go))
+        atexit(let_go_at_exit);
     return found;
 }
 
