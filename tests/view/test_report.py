@@ -119,5 +119,5 @@ def test_a_film_has_a_frame_per_time_and_drawn_vehicles_do_not_touch(cases, tmp_
 def test_a_film_of_another_kind_is_refused():
     from pathlib import Path
 
-    with pytest.raises(FilmError, match="neither .mp4 nor .gif"):
+    with pytest.raises(FilmError, match=r"neither \.mp4 nor \.gif"):
         writer_for(Path("road.avi"))
