@@ -22,7 +22,7 @@ Batch = NDArray[np.float64]
 
 STEP_R, STEP_P = 0.1, 0.15  # [m], [1] first step of the refinement
 MOST_ROUNDS = 3
-_CROSS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
+CROSS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 
 
 class Shapes(NamedTuple):
@@ -81,7 +81,7 @@ def share_rollouts(rollouts: int) -> tuple[int, int]:
     candidates, rounds : their number, and the rounds of 4 rollouts each; 16 are 12 and 1, 32 are 20 and 3
     """
     rounds = min(max(rollouts // 8 - 1, 0), MOST_ROUNDS)
-    return rollouts - len(_CROSS) * rounds, rounds
+    return rollouts - len(CROSS) * rounds, rounds
 
 
 def best_by_rollout(
@@ -113,7 +113,7 @@ def best_by_rollout(
     best, least = _best(None, np.inf, start, candidates, weights, sampling, horizon)
     for number in range(rounds):
         around = [
-            replace(best, r=best.r + STEP_R * r * 0.5**number, p=best.p + STEP_P * p * 0.5**number) for r, p in _CROSS
+            replace(best, r=best.r + STEP_R * r * 0.5**number, p=best.p + STEP_P * p * 0.5**number) for r, p in CROSS
         ]
         best, least = _best(best, least, start, around, weights, sampling, horizon)
     return best
