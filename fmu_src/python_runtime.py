@@ -13,6 +13,7 @@ import psp_model
 from psp_model.network import ParameterNetwork
 
 from .documentation import index_page
+from .ecosystem import layered_standard, reference_results
 from .model_description import Component, model_description
 from .packing import content_digest, guid_of, write_fmu
 from .platoon_slave import CONFIG
@@ -47,12 +48,14 @@ class NetworkFile:
     name : file name inside resources/
     content : the file
     domain, constants : what it was trained for
+    reader : runs it
     """
 
     name: str
     content: bytes
     domain: dict[str, float]
     constants: dict[str, float]
+    reader: ParameterNetwork
 
 
 def network_for(vehicles: int, path: Path | None = None) -> NetworkFile | None:
@@ -73,7 +76,7 @@ def network_for(vehicles: int, path: Path | None = None) -> NetworkFile | None:
             return None
     network = ParameterNetwork(path)
     network.require_vehicles(vehicles)
-    return NetworkFile(path.name, path.read_bytes(), network.domain.as_dict(), dict(vars(network.constants)))
+    return NetworkFile(path.name, path.read_bytes(), network.domain.as_dict(), dict(vars(network.constants)), network)
 
 
 def _model_sources() -> dict[str, bytes]:
@@ -154,6 +157,7 @@ def build_python_fmu(vehicles: int, output: Path, network: NetworkFile | None) -
     packed = _fixed_files(network) | {
         "documentation/index.html": index_page(component, vehicles, table, _notes(vehicles, network))
     }
+    packed |= layered_standard(table, reference_results(table, network.reader if network else None))
     sources = _model_sources()
     digest = content_digest(packed | sources | {"table": repr((component, table)).encode()})
     packed |= _generated_files(component, table, vehicles, network, digest) | _renamed(sources, digest[:12])
