@@ -30,7 +30,7 @@ class Answers:
     Attributes
     ----------
     name : of the way
-    raw : (B, 3) triples as proposed, before projection
+    raw : (B, 3) triples as proposed, before projection; as used where rollouts chose them
     triples : (B, 3) as used
     J, T_max : (B,) from rollouts in float64
     rows : which starts of the data set these are
@@ -54,7 +54,7 @@ class Score:
     starts : how many it was judged on
     mean, median, p95, worst : regret J/J* - 1
     beats_fixed : share of starts with a lower J than the best fixed triple
-    projected : share of answers that the projection into the feasible set (or a refinement) moved
+    projected : share of answers that had to be projected into the feasible set
     out_of_domain : share of starts outside the network's domain
     mse : mean squared error against the optima, of alpha, r, p scaled to [0, 1] by their bounds
     smallest_T_max : over all starts and sampling instants [s]
@@ -127,7 +127,7 @@ def best_fixed(data: Dataset) -> Array:
 def projected(raw: Array, constants: PlatoonParameters) -> Array:
     """Each of (N, 3) triples inside the feasible set."""
     shapes = [project(PotentialParameters(*map(float, row)), constants) for row in raw]
-    return np.array([(shape.alpha, shape.r, shape.p) for shape in shapes]).reshape(-1, 3)
+    return np.array([_row(shape) for shape in shapes]).reshape(-1, 3)
 
 
 class Judge:
@@ -174,7 +174,8 @@ class Judge:
             )
             best = _first_least(J)
         rows = np.arange(len(raw))
-        answers = Answers(name, raw[:, 0], triples[rows, best], J[rows, best], T_max[rows, best], rows)
+        chosen = triples[rows, best]
+        answers = Answers(name, chosen, chosen, J[rows, best], T_max[rows, best], rows)
         self.evaluation.answers.append(answers)
 
     def _rolled_out(self, raw: Array) -> tuple[Array, Array, Array]:
