@@ -111,9 +111,7 @@ def _on_cluster(plan: Plan, missing: list[int], scheduler: str) -> Iterator[tupl
             f"no Dask scheduler answers at {scheduler!r}: start one, or leave --scheduler out to use this machine"
         ) from None
     with client:
-        numbers = {
-            client.submit(solve_chunk, plan, number, 1, pure=False, retries=10): number for number in missing
-        }
+        numbers = {client.submit(solve_chunk, plan, number, 1, pure=False, retries=10): number for number in missing}
         for future in as_completed(list(numbers)):  # type: ignore[no-untyped-call]
             yield numbers[future], future.result()
             future.release()

@@ -95,7 +95,7 @@ class Evaluation:
     def score(self, answers: Answers) -> Score:
         """The figures of one way to choose."""
         regret, fixed = self.regret(answers), self.answers[0]
-        shift, scale = output_scaling(self.data.problem)
+        _, scale = output_scaling(self.data.problem)
         error = (answers.raw - self.data.triples[answers.rows]) / scale
         mse = tuple(float(value) for value in (error**2).mean(axis=0))
         return Score(
@@ -105,7 +105,7 @@ class Evaluation:
             float(np.median(regret)),
             float(np.percentile(regret, 95)),
             float(regret.max()),
-            float((answers.J < fixed.J[answers.rows]).mean()),
+            float((fixed.J[answers.rows] > answers.J).mean()),
             float((answers.raw.astype(np.float32) != answers.triples.astype(np.float32)).any(axis=1).mean()),
             self.out_of_domain.get(answers.name, 0.0),
             (mse[0], mse[1], mse[2]),
@@ -210,8 +210,8 @@ def _row(shape: PotentialParameters) -> tuple[float, float, float]:
 
 def as_markdown(scores: Sequence[Score]) -> str:
     """The table for model cards and README."""
-    head = "| way to choose alpha, r, p | starts | mean | median | 95 % | worst | beats fixed | projected | MSE alpha, r, p | smallest T_max |"
-    lines = [head, "|" + "---|" * 10]
+    head = "| way to choose alpha, r, p | starts | mean | median | 95 % | worst | beats fixed | projected "
+    lines = [head + "| MSE alpha, r, p | smallest T_max |", "|" + "---|" * 10]
     for score in scores:
         regret = " | ".join(f"{100 * value:.2f} %" for value in (score.mean, score.median, score.p95, score.worst))
         mse = ", ".join(f"{value:.4f}" for value in score.mse)
@@ -243,7 +243,8 @@ def picture(evaluation: Evaluation, path: Path, command: str) -> None:
         share = (np.arange(regret.size) + 0.5) / regret.size
         axes.plot(100 * np.maximum(regret, 1e-6), 100 * share, label=f"{answers.name} ({100 * regret.mean():.2f} %)")
     axes.set(xscale="log", xlim=(0.005, 20), xlabel="regret J/J* - 1 [%]", ylabel="share of starts below [%]")
-    axes.set_title(f"{evaluation.data.problem.vehicles} vehicles, {len(evaluation.data.J)} held-out starts (mean regret)")
+    vehicles, starts = evaluation.data.problem.vehicles, len(evaluation.data.J)
+    axes.set_title(f"{vehicles} vehicles, {starts} held-out starts (mean regret)")
     axes.legend(fontsize="small")
     axes.grid(alpha=0.3)
     figure.supxlabel(command, fontsize=6)
