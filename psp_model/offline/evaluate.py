@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -247,6 +248,6 @@ def picture(evaluation: Evaluation, path: Path, command: str) -> None:
     axes.set_title(f"{vehicles} vehicles, {starts} held-out starts (mean regret)")
     axes.legend(fontsize="small")
     axes.grid(alpha=0.3)
-    figure.supxlabel(command, fontsize=6)
+    figure.supxlabel(fill(command, 130), fontsize=6)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=110)
