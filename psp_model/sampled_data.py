@@ -40,10 +40,31 @@ def advance(s: Any, v: Any, a: Any, tau: Any) -> tuple[Any, Any]:
 
 
 def gaps_after(s: Any, moved: Any) -> Any:
-    """Gaps once every vehicle has travelled the distance `moved` [m]: (n-1, ...) from (n-1, ...) and (n, ...)."""
+    """Gaps once every vehicle has travelled some distance (paper, eq. 10).
+
+    Parameters
+    ----------
+    s : (n-1, ...) array, gaps before [m]
+    moved : (n, ...) array, distance travelled since [m], from `travelled`
+
+    Returns
+    -------
+    (n-1, ...) array, gaps after [m]
+    """
     return s + relative(moved)
 
 
 def travelled(v: Any, a: Any, tau: Any) -> Any:
-    """Distance tau v + tau^2/2 a that each vehicle covers in a time tau [m] (paper, eq. 10)."""
+    """Distance tau v + tau^2/2 a that each vehicle covers (paper, eq. 10).
+
+    Parameters
+    ----------
+    v : (n, ...) array, speeds at the sampling instant [m/s]
+    a : (n, ...) array, accelerations held since [m/s2]
+    tau : time since the sampling instant [s]
+
+    Returns
+    -------
+    (n, ...) array [m]
+    """
     return tau * (v + 0.5 * tau * a)
