@@ -19,6 +19,8 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     """
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--vehicles", type=int, default=7, metavar="N", help="vehicles, at least 2 (7)")
+    text = "platoon: the closed loop; controller: for other vehicles; plant: ideal vehicles (platoon)"
+    parser.add_argument("--component", choices=["platoon", "controller", "plant"], default="platoon", help=text)
     parser.add_argument("--output", type=Path, default=Path("dist"), metavar="DIR", help="folder to write to (dist)")
     parser.add_argument("--runtime", choices=["python", "native"], default="python", help="of the FMU (python)")
     text = "native: libraries for this machine, or for Linux, Windows and macOS (host)"
@@ -48,6 +50,31 @@ def build(options: argparse.Namespace, network: NetworkFile | None) -> Path:
     return build_native_fmu(options.vehicles, options.output, chosen_platforms(options.platforms), network)
 
 
+def build_for_traffic(options: argparse.Namespace) -> int:
+    """Build the controller or the plant and say so.
+
+    Parameters
+    ----------
+    options : from `parse`
+
+    Returns
+    -------
+    exit code
+
+    Raises
+    ------
+    RuntimeError : where an option does not apply
+    """
+    from fmu_src.traffic_runtime import build_controller_fmu, build_plant_fmu
+
+    if options.runtime == "native" or options.network:
+        raise RuntimeError(f"--component {options.component} takes neither --runtime native nor --network")
+    make = build_controller_fmu if options.component == "controller" else build_plant_fmu
+    path = make(options.vehicles, options.output)
+    print(f"{path}: {options.vehicles} vehicles, {path.stat().st_size / 1024:.0f} KiB")
+    return 0
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Build what the command line asks for and say what was built.
 
@@ -59,6 +86,8 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if options.vehicles < 2:
             raise ModelError("vehicles", options.vehicles)
+        if options.component != "platoon":
+            return build_for_traffic(options)
         network = network_for(options.vehicles, options.network)
         path = build(options, network)
     except (ModelError, OSError, RuntimeError) as error:
