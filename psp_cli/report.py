@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from .bad_input import BadInput
 from .compare import cases_of
 from .options import Duration, Network, ScenarioFile, Seed, Set, Vehicles, command_line, gather, network_file
+
+if TYPE_CHECKING:
+    from psp_view.cases import Case
 
 
 def report(
@@ -32,7 +36,14 @@ def report(
     write_report(cases, output, command_line(), network_file(wanted.vehicles, network), title)
     typer.echo(f"{output}: {output.stat().st_size / 1e6:.1f} MB")
     if animate is not None:
-        from psp_view.film import write_film
-
-        write_film(cases, animate)
+        _film(cases, animate)
         typer.echo(animate)
+
+
+def _film(cases: list[Case], path: Path) -> None:
+    from psp_view.film import FilmError, write_film
+
+    try:
+        write_film(cases, path)
+    except FilmError as error:
+        raise BadInput(str(error)) from None

@@ -28,15 +28,15 @@ def concat(parts: list[Any]) -> Any:
 
 
 def sum(vector: Any, axis: int = 0) -> Any:
-    """The sum over the vehicles."""
+    """The sum of a column `vector` over the vehicles, its only axis (`axis` is 0)."""
     return casadi.sum1(vector)
 
 
 def min(vector: Any, axis: int = 0) -> Any:
-    """The smallest over the vehicles."""
+    """The smallest of a column `vector` over the vehicles, its only axis (`axis` is 0)."""
     return casadi.mmin(vector)
 
 
 def abs(vector: Any) -> Any:
-    """The absolute value, element by element."""
+    """The absolute value of `vector`, element by element."""
     return casadi.fabs(vector)

@@ -107,7 +107,7 @@ def feedback(s: Any, v: Any, shape: PotentialShape, constants: Constants) -> Any
 
 
 def command(u: Any, v: Any, constants: Constants) -> Any:
-    """F_i from the slopes u_i that act on a vehicle and its speed, as `feedback` says.
+    """F_i from the slopes u_i that act on a vehicle and its speed (paper, eq. 2, in the form that `feedback` gives).
 
     Parameters
     ----------

@@ -49,7 +49,7 @@ def largest_period(s: Any, v: Any, a: Any, constants: Constants) -> Any:
 
 
 def violation(t: float, T: float, s: Any, v: Any, a: Any, constants: PlatoonParameters) -> ModelError:
-    """The error that says which vehicle keeps T from being certified, with its values, bound and remedy.
+    """The error that says which vehicle keeps T from being certified, with its values, bound and remedy (ours).
 
     Parameters
     ----------

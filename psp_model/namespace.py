@@ -25,14 +25,14 @@ def array_namespace(array: Any) -> Any:
 
 
 def total(array: Any) -> Any:
-    """The sum over the first axis, which is that of the vehicles."""
+    """The sum of `array` over its first axis, which is that of the vehicles."""
     if isinstance(array, np.ndarray):
         return np.add.reduce(array)  # what np.sum calls, several Python calls later
     return array_namespace(array).sum(array, axis=0)
 
 
 def smallest(array: Any) -> Any:
-    """The smallest value along the first axis, which is that of the vehicles."""
+    """The smallest value of `array` along its first axis, which is that of the vehicles."""
     if isinstance(array, np.ndarray):
         return np.minimum.reduce(array)  # what np.min calls, several Python calls later
     return array_namespace(array).min(array, axis=0)

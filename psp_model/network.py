@@ -92,6 +92,16 @@ class ParameterNetwork:
         constants: PlatoonParameters = self._metadata["constants"]
         return constants
 
+    @property
+    def trained_on(self) -> str:
+        """Content hash of the data set it was trained on; empty where the file does not say."""
+        return str(self._session.get_modelmeta().custom_metadata_map.get("psp_data_sha256", ""))
+
+    @property
+    def ranks(self) -> bool:
+        """Whether it ranks candidates for a start."""
+        return {SCORES, DICTIONARY} <= {port.name for port in self._session.get_outputs()}
+
     def require_vehicles(self, vehicles: int) -> None:
         """Check that the network is for this many vehicles.
 
@@ -144,7 +154,7 @@ class ParameterNetwork:
         -------
         up to `count` triples before projection, `evaluate`'s first; of equal scores the first in the dictionary wins
         """
-        if not {SCORES, DICTIONARY} <= {port.name for port in self._session.get_outputs()}:
+        if not self.ranks:
             return [self.evaluate(s, v)]
         raw, scores, dictionary = self._run([PARAMETERS, SCORES, DICTIONARY], s, v)
         best = np.argsort(-scores[0], kind="stable")[: count - 1]

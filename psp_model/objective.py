@@ -32,10 +32,33 @@ def running_cost(s: Any, v: Any, a: Any, tau: Any, weights: ObjectiveWeights) ->
 
 
 def acceleration_cost(squares: Any, tau: Any, weights: Any) -> Any:
-    """w1 tau sum a^2 / a_ref^2 from the sum of the squared accelerations [m2/s4]."""
+    """w1 tau sum a^2 / a_ref^2 (paper, first term of the objective).
+
+    Parameters
+    ----------
+    squares : (...) array, sum over the vehicles of the squared accelerations held [m2/s4]
+    tau : how long they are held [s]
+    weights : w1 and a_ref, numbers or symbols
+
+    Returns
+    -------
+    (...) array [s]
+    """
     return weights.w1 / weights.a_ref**2 * tau * squares
 
 
 def gap_cost(gaps: Any, dv: Any, da: Any, tau: Any, weights: Any) -> Any:
-    """w2 (tau sum s + tau^2/2 dv + tau^3/6 da) / s_ref from the sum of the gaps [m], v_1 - v_n and a_1 - a_n."""
+    """w2 (tau sum s + tau^2/2 dv + tau^3/6 da) / s_ref (paper, second term of the objective).
+
+    Parameters
+    ----------
+    gaps : (...) array, sum of the gaps at the sampling instant [m]
+    dv, da : (...) arrays, v_1 - v_n [m/s] and a_1 - a_n [m/s2] at the sampling instant
+    tau : time since the sampling instant [s]
+    weights : w2 and s_ref, numbers or symbols
+
+    Returns
+    -------
+    (...) array [s]
+    """
     return weights.w2 / weights.s_ref * (tau * (gaps + tau * (0.5 * dv + tau / 6.0 * da)))

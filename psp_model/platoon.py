@@ -112,6 +112,8 @@ class Observation:
 def locate(time: float, T: float) -> tuple[int, float]:
     """Time as whole sampling periods and a fraction in [0, 1), rounded to a nominal instant within TIME_TOLERANCE.
 
+    Ours, because masters add their steps up and arrive at a sampling instant with rounding errors.
+
     Parameters
     ----------
     time : time since the start [s]

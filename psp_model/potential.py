@@ -23,7 +23,7 @@ def _hill_parts(s: Any, shape: PotentialShape) -> tuple[Any, Any, Any, Any]:
 
 
 def on_hill(s: Any, shape: PotentialShape) -> Any:
-    """Whether s lies on the hill, r < s < r + 3 m; off the hill the potential needs no power.
+    """Whether s lies on the hill, r < s < r + 3 m; off the hill the potential needs no power (ours).
 
     Parameters
     ----------

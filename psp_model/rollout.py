@@ -21,7 +21,7 @@ Batch = NDArray[np.float64]
 
 
 class Shapes(NamedTuple):
-    """K triples as arrays, in the form that the potential takes."""
+    """K triples as (K,) arrays alpha, r, p and hill, in the form that the potential takes."""
 
     alpha: Batch
     r: Batch

@@ -6,7 +6,16 @@ from typing import Any
 
 
 def relative(y: Any) -> Any:
-    """y_{i-1} - y_i: (n, ...) per vehicle becomes (n-1, ...) per gap."""
+    """y_{i-1} - y_i, as the gaps are defined (paper, section II).
+
+    Parameters
+    ----------
+    y : (n, ...) array, one value for each vehicle, leader first
+
+    Returns
+    -------
+    (n-1, ...) array, one value for each gap
+    """
     return y[:-1] - y[1:]
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import inf
-from typing import NamedTuple
+from typing import Any, NamedTuple, cast
 
 
 class Constants(NamedTuple):
@@ -126,14 +126,16 @@ def reference_run(
     for gap in s0:
         x.append(x[-1] - float(gap))
     n, run = len(v), ReferenceRun([], [], [], [], [], [], [], [])
+    columns = cast("tuple[list[Any], ...]", run)
     J_acceleration = J_gap = 0.0
     steps = round(duration / T)
     for k in range(steps + 1):
         s = [x[i - 1] - x[i] for i in range(1, n)]
         a = accelerations(s, v, alpha, r, p, hill, c)
         T_max = largest_period(s, v, a, c)
-        for column, value in zip(run, (k * T, x, s, v, a, T_max, J_acceleration, J_gap), strict=True):
-            column.append(value)  # type: ignore[arg-type]
+        row = (k * T, x, s, v, a, T_max, J_acceleration, J_gap)
+        for column, value in zip(columns, row, strict=True):
+            column.append(value)
         for i in range(n):
             J_acceleration += c.w1 * T * (a[i] / c.a_ref) ** 2
             if i > 0:

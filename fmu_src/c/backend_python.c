@@ -22,8 +22,8 @@
 
 #define FUNCTIONS(X)                                                                                                   \
     X(Instantiate) X(FreeInstance) X(SetupExperiment) X(EnterInitializationMode) X(ExitInitializationMode)             \
-    X(Terminate) X(Reset) X(DoStep) X(GetReal) X(GetInteger) X(GetBoolean) X(GetString) X(SetReal) X(SetInteger)       \
-    X(SetBoolean) X(SetString) X(GetFMUstate) X(SetFMUstate) X(FreeFMUstate) X(SerializedFMUstateSize)                 \
+    X(Terminate) X(Reset) X(DoStep) X(GetReal) X(GetInteger) X(SetReal) X(SetInteger)       \
+    X(GetFMUstate) X(SetFMUstate) X(FreeFMUstate) X(SerializedFMUstateSize)                 \
     X(SerializeFMUstate) X(DeSerializeFMUstate)
 
 struct Backend {
@@ -109,6 +109,12 @@ static bool readable(Front *front, const char *resources)
     return true;
 }
 
+/* pythonfmu's library lets go of the same shared pointer twice when a process on Linux ends, and writes into freed memory:
+ * its destructor function runs after the destructor of the pointer.  Letting go once before both is harmless. */
+static void (*let_go)(void) = NULL; /* the library's, not an instance's */
+
+static void let_go_at_exit(void) { let_go(); }
+
 static bool load_pythonfmu(Backend *model, const char *resources)
 {
     char path[2048], why[512];
@@ -121,6 +127,8 @@ static bool load_pythonfmu(Backend *model, const char *resources)
     if (!found)
         front_fail(model->front, "%s cannot be loaded (%s): extract the whole FMU, and install what this message names",
                    path, library_error(why, sizeof why));
+    else if (!let_go && library_function(library, "finalizePythonInterpreter", &let_go))
+        atexit(let_go_at_exit);
     return found;
 }
 
@@ -196,12 +204,22 @@ fmi2Status backend_do_step(Backend *model, double from, double size)
 
 VARIABLES(backend_get_real, GetReal, fmi2Real)
 VARIABLES(backend_get_integer, GetInteger, fmi2Integer)
-VARIABLES(backend_get_boolean, GetBoolean, fmi2Boolean)
-VARIABLES(backend_get_string, GetString, fmi2String)
 VARIABLES(backend_set_real, SetReal, const fmi2Real)
 VARIABLES(backend_set_integer, SetInteger, const fmi2Integer)
-VARIABLES(backend_set_boolean, SetBoolean, const fmi2Boolean)
-VARIABLES(backend_set_string, SetString, const fmi2String)
+
+/* Our FMUs have no Boolean and no String variables, and pythonfmu would fail fatally on them. */
+#define NONE(function, type, name)                                                                                     \
+    fmi2Status function(Backend *model, const fmi2ValueReference vr[], size_t count, type value[])                     \
+    {                                                                                                                  \
+        (void)count, (void)value;                                                                                      \
+        return front_fail(model->front, "value reference %d belongs to no " name " variable of this FMU: take it from " \
+                                        "modelDescription.xml", (int)vr[0]);                                           \
+    }
+
+NONE(backend_get_boolean, fmi2Boolean, "Boolean")
+NONE(backend_get_string, fmi2String, "String")
+NONE(backend_set_boolean, const fmi2Boolean, "Boolean")
+NONE(backend_set_string, const fmi2String, "String")
 
 fmi2Status backend_get_state(Backend *model, void **state) { return FORWARD(model->GetFMUstate(model->component, state)); }
 

@@ -6,53 +6,41 @@ The binaries stand in `binaries/`, so that building an FMU needs no compiler.  A
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 
-import fmpy
+from ..native.compile import ENDINGS, FRONT, SOURCES, compile_library
 
-HERE = Path(__file__).parent
-C_SOURCES = HERE.parent / "c"
-BINARIES = HERE / "binaries"
-HEADERS = Path(fmpy.__file__).parent / "c-code"  # fmpy ships the FMI 2.0 headers
-
-FRONT = ["front_check.c", "front_log.c", "front_state.c", "fmi2_front.c", "resource_path.c"]
-LAUNCHER = ["backend_python.c", "python_library.c", "library.c"]
-WARNINGS = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
-# -ffp-contract=off: no fused multiply-add, so that all machines compute alike
-COMMON = ["-O2", "-g0", "-fvisibility=hidden", "-ffp-contract=off", "-ffile-prefix-map=.=psp", "-shared", "-s"]
-TARGETS = {"linux64": "x86_64-linux-gnu.2.17", "win64": "x86_64-windows-gnu"}
-ENDINGS = {"linux64": "so", "win64": "dll", "darwin64": "dylib"}
+BINARIES = Path(__file__).parent / "binaries"
+PLATFORMS = ("linux64", "win64")  # those that pythonfmu has libraries for
+_FILES = (*FRONT, "backend_python.c", "python_library.c", "python_library.h", "library.c", "library.h")
 
 
-def compile_launcher(platform: str, output: Path) -> Path:
-    """Compile the launcher for one platform.
+def launcher(platform: str) -> bytes:
+    """The launcher for one platform, compiled from its sources.
 
     Parameters
     ----------
-    platform : "linux64" or "win64", the platforms that pythonfmu has libraries for
-    output : folder for the result
+    platform : one of PLATFORMS
 
     Returns
     -------
-    the shared library
+    content of the shared library
     """
-    output.mkdir(parents=True, exist_ok=True)
-    library = output / f"psp_launcher.{ENDINGS[platform]}"
-    system = ["-ldl"] if platform == "linux64" else []
-    command = [sys.executable, "-m", "ziglang", "cc", "-target", TARGETS[platform], *WARNINGS, *COMMON]
-    command += ["-I", str(HEADERS), "-o", str(library.resolve()), *FRONT, *LAUNCHER, *system]
-    subprocess.run(command, check=True, cwd=C_SOURCES)
-    for extra in (*output.glob("*.lib"), *output.glob("*.pdb")):
-        extra.unlink()
-    return library
+    files = {name: (SOURCES / name).read_bytes() for name in _FILES}
+    return compile_library(platform, "psp_launcher", files)
+
+
+def path_of(platform: str) -> Path:
+    """Where the compiled launcher for one platform stands."""
+    return BINARIES / platform / f"psp_launcher.{ENDINGS[platform]}"
 
 
 def main() -> None:
     """Compile the launcher for all platforms into `binaries/`."""
-    for platform in TARGETS:
-        print(compile_launcher(platform, BINARIES / platform))
+    for platform in PLATFORMS:
+        path_of(platform).parent.mkdir(parents=True, exist_ok=True)
+        path_of(platform).write_bytes(launcher(platform))
+        print(path_of(platform))
 
 
 if __name__ == "__main__":

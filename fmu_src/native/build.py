@@ -12,7 +12,7 @@ from ..model_description import Component, model_description
 from ..packing import content_digest, guid_of, write_fmu
 from ..python_runtime import NetworkFile
 from ..variables import Variable, platoon_table
-from .compile import FMI_HEADERS, compile_library, host_platform
+from .compile import ENDINGS, FMI_HEADERS, FRONT, SOURCES, compile_library, host_platform
 from .kernels import kernels_header
 from .tables import model_header, network_header
 
@@ -29,15 +29,6 @@ _CAPABILITIES = (
     "providesDirectionalDerivative",
 )
 _HERE = Path(__file__).parent
-_FRONT = (
-    "front.h",
-    "backend.h",
-    "fmi2_front.c",
-    "front_check.c",
-    "front_log.c",
-    "front_state.c",
-    "resource_path.c",
-)
 
 
 def chosen_platforms(platforms: str) -> tuple[str, ...]:
@@ -57,7 +48,7 @@ def native_sources(
     guid : of the FMU
     network : that goes into it, None without one
     """
-    found = {name: (_HERE.parent / "c" / name).read_bytes() for name in _FRONT}
+    found = {name: (SOURCES / name).read_bytes() for name in FRONT}
     found |= {path.name: path.read_bytes() for path in sorted((_HERE / "c").glob("*.[ch]"))}
     generated = {
         "psp_kernels.h": kernels_header(),
@@ -106,9 +97,7 @@ def build_native_fmu(
     packed |= {f"sources/{name}": content for name, content in sources.items()}
     packed |= {f"sources/{header.name}": header.read_bytes() for header in FMI_HEADERS.glob("fmi2*.h")}
     for platform in platforms or (host_platform(),):
-        library = compile_library(platform, NAME, sources)
-        ending = {"linux64": "so", "win64": "dll", "darwin64": "dylib"}[platform]
-        packed[f"binaries/{platform}/{NAME}.{ending}"] = library
+        packed[f"binaries/{platform}/{NAME}.{ENDINGS[platform]}"] = compile_library(platform, NAME, sources)
     path = output / f"{NAME}.fmu"
     write_fmu(path, packed)
     return path

@@ -13,6 +13,16 @@ from tempfile import TemporaryDirectory
 import fmpy
 
 FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"
+SOURCES = Path(__file__).parents[1] / "c"  # what both FMUs share
+FRONT = (
+    "front.h",
+    "backend.h",
+    "fmi2_front.c",
+    "front_check.c",
+    "front_log.c",
+    "front_state.c",
+    "resource_path.c",
+)
 ENDINGS = {"linux64": "so", "win64": "dll", "darwin64": "dylib"}
 WARNINGS = ("-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
 # without fused multiply-add x86-64 and arm64 compute alike; a library must not carry paths, clocks or host settings
@@ -65,7 +75,7 @@ def _compile_one(target: str, folder: Path, sources: Sequence[str], name: str, e
     command = [sys.executable, "-m", "ziglang", "cc", "-target", target, *WARNINGS, *FLAGS, *extra]
     command += [f"-Wl,-install_name,@rpath/{library.name}"] if ending == "dylib" else []
     command += ["-o", str(library.relative_to(folder)), *sources]
-    command += ["-lm"] if ending == "so" else []
+    command += ["-lm", "-ldl", "-Wl,--as-needed"] if ending == "so" else []
     subprocess.run(command, check=True, cwd=folder)
     return library.read_bytes()
 

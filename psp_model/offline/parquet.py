@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -50,6 +50,12 @@ class Dataset:
     effort: str
     sha256: str
     failures: int
+
+    def first(self, count: int | None) -> Dataset:
+        """The first `count` starts, all where it is None; the hash stays that of the whole."""
+        tables = None if self.tables is None else self.tables[:count]
+        parts = {"starts": self.starts[:count], "triples": self.triples[:count], "J": self.J[:count], "tables": tables}
+        return replace(self, **parts)
 
     @property
     def grid(self) -> Grid:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..feasible import project
 from ..parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH, PotentialParameters
 from .engine import Engine, Problem
+from .ridges import descend, suspected
 from .slope_limit import SlopeLimit
 
 Array = NDArray[Any]
@@ -43,29 +44,37 @@ class Effort:
     Attributes
     ----------
     r_step : spacing of the main grid, at the smallest alpha [m]
+    r_share : how much of the feasible part of r, from its lower end, the grids cover
     levels : cells of p on it
     alphas : further values of alpha, on grids of twice the spacing
     grid_periods : sampling periods that the grids' rollouts take at a time; everything later takes one
     seeds, survivors : minima that are refined in the first round, and in the later ones
     rounds : of refinement; the pattern is halved after each
     finalists : candidates that are compared in float64
+    ridges : suspected cliffs that are searched across (module `ridges`), 0 for none
+    ridge_survivors, ridge_rounds : how many of them are followed, in how many halvings
     """
 
     r_step: float = 0.1
+    r_share: float = 1.0
     levels: int = 12
     alphas: tuple[float, ...] = (2e-3, 4e-3)
     grid_periods: int = 2
     seeds: int = 8
     survivors: int = 3
     rounds: int = 5
-    finalists: int = 3
+    finalists: int = 6
+    ridges: int = 40
+    ridge_survivors: int = 4
+    ridge_rounds: int = 4
 
 
 EFFORTS = {
     "full": Effort(),
-    "quick": Effort(r_step=0.15, levels=11, alphas=(), seeds=3, survivors=1, rounds=3, finalists=1),
+    "quick": Effort(r_step=0.15, levels=11, alphas=(), seeds=3, survivors=1, rounds=3, finalists=1, ridges=0),
+    "grid": Effort(r_step=0.2, r_share=0.75, levels=9, alphas=(), seeds=1, rounds=0, finalists=1, ridges=0),
 }
-"""`full` for optima that others are judged by, `quick` for the many starts that training on cost wants."""
+"""`full` for optima that others are judged by; `grid`, the best of a grid, for recipe cost, which wants many starts."""
 
 
 @dataclass(frozen=True)
@@ -107,7 +116,7 @@ class Search:
         constants = self.problem.constants
         fine = np.arange(constants.L + 0.02, constants.lam - HILL_WIDTH, 0.01)
         lowest = fine[np.isfinite(self.limit.largest_p(np.full(fine.shape, alpha), fine))][0]
-        highest = constants.lam - HILL_WIDTH
+        highest = lowest + self.effort.r_share * (constants.lam - HILL_WIDTH - lowest)
         count = max(3, round((highest - lowest) / (self.effort.r_step * coarseness)) + 1)
         return Grid(alpha, np.linspace(lowest, highest, count), np.linspace(0, 1, self.effort.levels // coarseness + 1))
 
@@ -133,6 +142,9 @@ class Search:
         for number in range(effort.rounds):
             places, J = self._refine(starts, places, J, steps * 0.5**number)
             places, J = _best(places, J, effort.survivors)
+        if effort.ridges:
+            valleys, least = self._valleys(starts, tables[0], self.grid)
+            places, J = np.concatenate([places, valleys], axis=1), np.concatenate([J, least], axis=1)
         return self._finish(starts, *_best(places, J, effort.finalists), tables[0])
 
     def table(self, starts: Array, grid: Grid) -> Array:
@@ -153,26 +165,41 @@ class Search:
         J, _ = (engine or self.single).costs(starts, which, triples.reshape(-1, 3))
         return J.reshape(triples.shape[:-1])
 
-    def _refine(self, starts: Array, places: Array, J: Array, steps: Array) -> tuple[Array, Array]:
-        """One round of pattern search around (B, K, 3) places in (log alpha, r, level)."""
-        tried = places[:, :, None] + _PATTERN * steps
+    def _costs_at(self, starts: Array, places: Array) -> tuple[Array, Array]:
+        """J of (B, ..., 3) places (log alpha, r, level), infinite where not feasible, and the places inside bounds."""
         constants = self.problem.constants
         low = [np.log(ALPHA_MIN), constants.L + 0.02, 0.0]
-        tried = np.clip(tried, low, [np.log(ALPHA_MAX), constants.lam - HILL_WIDTH, 1.0])
-        triples, feasible = self.limit.triples(np.exp(tried[..., 0]), tried[..., 1], tried[..., 2])
-        costs = np.where(feasible, self._costs(starts, triples), np.inf)
+        places = np.clip(places, low, [np.log(ALPHA_MAX), constants.lam - HILL_WIDTH, 1.0])
+        triples, feasible = self.limit.triples(np.exp(places[..., 0]), places[..., 1], places[..., 2])
+        return np.where(feasible, self._costs(starts, triples), np.inf), places
+
+    def _refine(self, starts: Array, places: Array, J: Array, steps: Array) -> tuple[Array, Array]:
+        """One round of pattern search around (B, K, 3) places in (log alpha, r, level)."""
+        costs, tried = self._costs_at(starts, places[:, :, None] + _PATTERN * steps)
         best = costs.argmin(axis=2)[..., None]
         found = np.take_along_axis(costs, best, axis=2)[..., 0]
         moved = np.take_along_axis(tried, best[..., None], axis=2)[:, :, 0]
         better = found < J
         return np.where(better[..., None], moved, places), np.where(better, found, J)
 
+    def _valleys(self, starts: Array, table: Array, grid: Grid) -> tuple[Array, Array]:
+        """The best places at the edges of cliffs."""
+        effort = self.effort
+        places, axes = suspected(table, np.log(grid.alpha), grid.r, grid.level, effort.ridges)
+        cells = np.array([0.0, grid.r[1] - grid.r[0], grid.level[1] - grid.level[0]])
+
+        def costs(places: Array) -> Array:
+            return self._costs_at(starts, places)[0]
+
+        return descend(costs, places, axes, cells, effort.ridge_survivors, effort.ridge_rounds)
+
     def _finish(self, starts: Array, places: Array, J: Array, tables: Array) -> Solutions:
         """The best finalist of each start in float64, inside the feasible set."""
         triples, _ = self.limit.triples(np.exp(places[..., 0]), places[..., 1], places[..., 2])
         exact = self._costs(starts, triples, self.double)
         best = triples[np.arange(len(starts)), exact.argmin(axis=1)]
-        best[:, 0] = np.clip(best[:, 0], ALPHA_MIN, ALPHA_MAX)  # exp(log(bound)) may round past the bound
+        best[best[:, 0] < ALPHA_MIN * (1 + 1e-12), 0] = ALPHA_MIN  # exp(log(bound)) is not quite the bound
+        best[:, 0] = np.minimum(best[:, 0], ALPHA_MAX)
         final = np.array([_projected(triple, self.problem) for triple in best]).reshape(-1, 3)
         costs, T_max = self.double.costs(starts, np.arange(len(starts)), final)
         return Solutions(final, costs, T_max, tables)

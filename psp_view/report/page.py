@@ -19,7 +19,8 @@ from .payload import payload
 from .provenance import hashes, network_hash, versions
 from .thin import TOLERANCE
 
-_SCRIPTS = ("data.js", "road.js", "plots.js")
+_STYLES = ("uplot.min.css", "report.css")
+_SCRIPTS = ("uplot.min.js", "data.js", "road.js", "plots.js")
 
 
 def report_html(
@@ -48,7 +49,7 @@ def report_html(
     return page.substitute(
         title=escape(title),
         subtitle=f"{n} vehicles, {duration:g} s, {len(cases)} runs",
-        css=(assets / "report.css").read_text(encoding="utf-8"),
+        css="\n".join((assets / name).read_text(encoding="utf-8") for name in _STYLES),
         summary=tables.summary(cases),
         warnings=tables.warnings(cases),
         v_star=f"{constants.v_star:g}",
@@ -61,16 +62,9 @@ def report_html(
         start=tables.start(cases),
         command=escape(command),
         provenance=tables.provenance(versions() | network_hash(network) | hashes(cases)),
-        plotly=_packed(_plotly()),
         data=_packed(json.dumps(payload(cases), separators=(",", ":"))),
         js="\n".join((assets / name).read_text(encoding="utf-8") for name in _SCRIPTS),
     )
-
-
-def _plotly() -> str:
-    from plotly.offline import get_plotlyjs
-
-    return str(get_plotlyjs())
 
 
 def _packed(text: str) -> str:

@@ -10,6 +10,8 @@ from matplotlib import colormaps
 from matplotlib.colors import to_hex
 from numpy.typing import NDArray
 
+from psp_model.simulate import Run
+
 from ..cases import Case
 from ..motion import moving_frame
 from ..potentials import curve
@@ -62,8 +64,8 @@ def palettes(vehicles: int) -> dict[str, list[str]]:
 
 
 def _bright(palette: list[str]) -> list[str]:
-    """The same colours where they can be seen on dark ground; black becomes white, the dark blue a lighter one."""
-    return [{"#000000": "#ffffff", "#0072B2": "#3fa7e0"}.get(colour, colour) for colour in palette]
+    """The same colours on dark ground: black becomes white."""
+    return ["#ffffff" if colour == "#000000" else colour for colour in palette]
 
 
 def _table(time: NDArray[np.float64], lines: NDArray[np.float64]) -> dict[str, Any]:
@@ -81,9 +83,16 @@ def _run(case: Case) -> dict[str, Any]:
         "acceleration": _table(run.time, run.a),
         "speed": _table(run.time, run.v),
         "place": _table(run.time, moving_frame(run, case.setup.start.constants.v_star)),
-        "T_max": _table(run.time, run.T_max[:, None]),
+        "T_max": _bounds(run),
         "J": _table(run.time, run.cost.sum(axis=1)[:, None]),
     }
+
+
+def _bounds(run: Run) -> dict[str, Any]:
+    """T_max, thinned by its logarithm because it is drawn on a logarithmic axis."""
+    keep = kept(run.time, np.log10(run.T_max)[:, None])
+    bounds = [float(f"{value:.6g}") for value in run.T_max[keep]]
+    return {"t": np.round(run.time[keep], 6).tolist(), "y": [bounds]}
 
 
 def _curve(case: Case) -> dict[str, Any]:
@@ -91,6 +100,11 @@ def _curve(case: Case) -> dict[str, Any]:
     return {
         "name": case.name,
         "s": np.round(line.s, 4).tolist(),
-        "V": np.round(np.minimum(line.V, _CURVE_CEILING), 4).tolist(),
-        "slope": np.round(np.clip(line.slope, -_CURVE_CEILING, _CURVE_CEILING), 4).tolist(),
+        "V": _cut(line.V),
+        "slope": _cut(line.slope),
     }
+
+
+def _cut(values: NDArray[np.float64]) -> list[float | None]:
+    """The values, with nothing where they are too large to draw."""
+    return [round(value, 4) if abs(value) <= _CURVE_CEILING else None for value in values.tolist()]

@@ -47,7 +47,7 @@ def versions() -> dict[str, str]:
     """What made the report, by name."""
     found = {"psp-platoon": _version("psp-platoon"), "source": _commit() or "not a git checkout"}
     found["Python"] = platform.python_version()
-    return found | {name: _version(name) for name in ("numpy", "onnxruntime", "plotly")}
+    return found | {name: _version(name) for name in ("numpy", "onnxruntime")}
 
 
 def _version(name: str) -> str:

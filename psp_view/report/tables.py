@@ -99,7 +99,7 @@ def parameters(cases: Sequence[Case]) -> str:
     cases : the runs
     """
     rows = [
-        [case.name, f"{case.shape.alpha:.10g}", f"{case.shape.r:.10g}", f"{case.shape.p:.10g}", case.origin]
+        [case.name, f"{case.shape.alpha:.7g}", f"{case.shape.r:.7g}", f"{case.shape.p:.7g}", case.origin]
         for case in cases
     ]
     potentials = table(["run", "alpha [1]", "r [m]", "p [1]", "where from"], rows, ["", "", "", "", "text"])

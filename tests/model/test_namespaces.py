@@ -85,7 +85,7 @@ def test_jax_equals_numpy(vehicles: int) -> None:
 def test_jax_derivatives_are_finite_off_the_hill_and_right_on_it() -> None:
     jax = pytest.importorskip("jax")
 
-    @jax.jit
+    @jax.jit  # type: ignore[untyped-decorator]
     def slope(theta: Any, s: Any) -> Any:
         shape = SimpleNamespace(alpha=theta[0], r=theta[1], p=theta[2], hill=1.0)
         return potential_slope(s, shape, CONSTANTS)

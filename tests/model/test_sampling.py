@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import fields, replace
 from math import frexp
+from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -12,6 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from psp_model import BEST_FIXED, V_OLD, Lemma1Policy, ObjectiveWeights, PlatoonState, SampledPlatoon, Sampling
+from psp_model.feedback import feedback
+from psp_model.lemma1 import largest_period
 from psp_model.platoon import TIME_TOLERANCE, Instant, Observation, locate
 from strategies import CONSTANTS, paper_start
 
@@ -122,8 +126,6 @@ def test_running_cost_between_instants_is_the_integral() -> None:
 
 
 def test_at_a_sampling_instant_acceleration_and_T_max_belong_to_the_state_shown() -> None:
-    from psp_model import feedback, largest_period
-
     run = CASES["policy 1"]()
     for period in range(5):
         run.advance_to(period, 0.0)
@@ -161,14 +163,14 @@ def test_violations_count_uncertified_instants_without_shortening_what_is_certif
     run, counted = CASES["policy 3, shortened"](), 0
     original = run._sample
 
-    def recorded(*args: object) -> None:
+    def recorded(*args: Any) -> None:
         nonlocal counted
-        original(*args)  # type: ignore[arg-type]
+        original(*args)
         counted += run.now.T_max <= T
 
     counted += run.now.T_max <= T
-    run._sample = recorded  # type: ignore[method-assign]
-    run.advance_to(50, 0.0)
+    with patch.object(run, "_sample", recorded):
+        run.advance_to(50, 0.0)
     assert run.now.violations == counted > 0
     assert CASES["policy 1"]().now.violations == 0
 

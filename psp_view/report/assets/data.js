@@ -1,7 +1,8 @@
 "use strict";
 // Unpack what the page carries: gzip keeps the file small, and every browser since 2023 can undo it.
 async function unpack(id) {
-  const packed = Uint8Array.from(atob(document.getElementById(id).textContent), (c) => c.charCodeAt(0));
+  const text = atob(document.getElementById(id).textContent), packed = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; i++) packed[i] = text.charCodeAt(i);
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
   return new Response(stream).text();
 }
@@ -24,8 +25,6 @@ function at(table, time) {
   return table.y.map((line) => line[k] + f * (line[k + 1] - line[k]));
 }
 
-// The last known values of a table whose lines are steps: accelerations and T_max are held between sampling instants,
-// but thinned points may lie further apart, so straight lines are what the page promises for them too.
 const extremes = (table) => {
   let low = Infinity, high = -Infinity;
   for (const line of table.y) for (const value of line) { if (value < low) low = value; if (value > high) high = value; }
@@ -35,5 +34,10 @@ const extremes = (table) => {
 const dark = () => {
   const chosen = document.documentElement.dataset.theme;
   return chosen ? chosen === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+};
+// Whether black is easier to read on a colour than white.
+const bright = (colour) => {
+  const [r, g, b] = [1, 3, 5].map((i) => parseInt(colour.slice(i, i + 2), 16) / 255);
+  return 0.2126 * r ** 2.2 + 0.7152 * g ** 2.2 + 0.0722 * b ** 2.2 > 0.3;
 };
 const ink = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();

@@ -1,11 +1,12 @@
 "use strict";
 // The plots: a row per quantity, a plot per run, drawn when they come into view and linked in time.
 const ROWS = [
-  ["gap", "gap [m]", 2],
-  ["acceleration", "acceleration [m/s²]", 1],
-  ["speed", "speed [m/s]", 1],
+  ["gap", "gap [m]", 2, "m"],
+  ["acceleration", "acceleration [m/s²]", 1, "m/s²"],
+  ["speed", "speed [m/s]", 1, "m/s"],
 ];
-const WEBGL_FROM = 20; // vehicles; SVG lines are sharper, WebGL lines stay quick
+const DASHES = [[], [8, 4], [2, 3], [8, 3, 2, 3]];
+const BORDERS = ["solid", "dashed", "dotted", "dashed"];
 
 class Plots {
   constructor(data, road) {
@@ -13,42 +14,56 @@ class Plots {
     this.road = road;
     this.plots = [];
     this.hidden = new Set();
+    this.window = [0, data.duration];
     this.linking = false;
-    this.webgl = data.vehicles >= WEBGL_FROM && !!document.createElement("canvas").getContext("webgl");
     this.seen = new IntersectionObserver((entries) => {
-      entries.filter((entry) => entry.isIntersecting).forEach((entry) => this.draw(entry.target));
-    }, { rootMargin: "200px" });
+      entries.filter((entry) => entry.isIntersecting).forEach((entry) => this.draw(this.plots.find((plot) => plot.box === entry.target)));
+    }, { rootMargin: "300px" });
+    this.resized = new ResizeObserver((entries) => entries.forEach((entry) => this.fit(this.plots.find((plot) => plot.div === entry.target))));
     this.rows();
     this.together();
     this.chips();
-    document.getElementById("same").addEventListener("change", () => this.plots.filter((p) => p.field === "acceleration").forEach((p) => this.rescale(p)));
-    window.addEventListener("beforeprint", () => this.plots.forEach((plot) => this.draw(plot.box)));
+    document.getElementById("same").addEventListener("change", () => this.redraw((plot) => plot.field === "acceleration"));
+    document.getElementById("whole").addEventListener("click", () => this.link(null, [0, data.duration]));
+    window.addEventListener("beforeprint", () => this.plots.forEach((plot) => this.draw(plot)));
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.recolour());
   }
 
-  add(parent, plot) {
+  row(parent) {
+    const row = document.createElement("div");
+    row.className = "row";
+    document.getElementById(parent).append(row);
+    return row;
+  }
+
+  add(row, plot) {
     plot.box = document.createElement("div");
     plot.box.className = "plot";
-    plot.box.innerHTML = "<div class='draw'></div><div class='cursor' hidden></div>";
-    plot.div = plot.box.firstChild;
-    plot.cursor = plot.box.lastChild;
-    parent.append(plot.box);
+    plot.box.innerHTML = "<div class='head'><b></b> <span></span></div><div class='draw' role='img'></div><div class='legend'></div>";
+    plot.box.querySelector("b").textContent = plot.title;
+    [plot.div, plot.says, plot.legend] = [".draw", "span", ".legend"].map((name) => plot.box.querySelector(name));
+    plot.div.setAttribute("aria-label", `${plot.title}: ${plot.label}`);
+    row.append(plot.box);
     this.plots.push(plot);
     this.seen.observe(plot.box);
+    this.resized.observe(plot.div);
   }
 
   rows() {
-    for (const [field, label, first] of ROWS) {
-      const row = document.createElement("div");
-      row.className = "row";
-      document.getElementById("plots").append(row);
+    for (const [field, label, first, unit] of ROWS) {
+      const row = this.row("plots");
       for (const run of this.data.runs) {
-        this.add(row, { field, label, title: run.name, timed: true, range: this.range(field, run), traces: () => this.vehicles(run[field], first) });
+        const names = run[field].y.map((_, i) => `vehicle ${first + i}`);
+        this.add(row, {
+          field, label, unit, title: run.name, timed: true, first, names,
+          range: () => this.range(field, run), table: () => [run[field].t, ...run[field].y],
+          colours: () => this.data.palette[dark() ? "dark" : "light"].slice(first - 1), width: this.data.vehicles > 12 ? 1 : 1.6,
+        });
       }
     }
   }
 
-  // Gaps and speeds share one scale; accelerations do where asked.
+  // Gaps and speeds share one scale over the runs; accelerations do where asked.
   range(field, run) {
     const runs = field === "acceleration" && !document.getElementById("same").checked ? [run] : this.data.runs;
     const ends = runs.map((one) => extremes(one[field]));
@@ -56,98 +71,150 @@ class Plots {
     return [low - margin, high + margin];
   }
 
-  rescale(plot) {
-    plot.range = this.range(plot.field, this.data.runs.find((run) => run.name === plot.title));
-    if (plot.drawn) Plotly.relayout(plot.div, { "yaxis.range": plot.range });
-  }
-
-  vehicles(table, first) {
-    const colours = this.data.palette[dark() ? "dark" : "light"];
-    return table.y.map((y, i) => ({
-      type: this.webgl ? "scattergl" : "scatter", mode: "lines", x: table.t, y, name: `vehicle ${first + i}`, vehicle: first + i,
-      line: { color: colours[first - 1 + i], width: this.data.vehicles > 12 ? 1 : 1.6 }, visible: !this.hidden.has(first + i),
-      hovertemplate: "%{y:.3f}<extra>%{fullData.name}</extra>",
-    }));
-  }
-
   together() {
-    const row = document.createElement("div");
-    row.className = "row";
-    document.getElementById("shared").append(row);
-    const style = ["solid", "dash", "dot", "dashdot"];
-    const lines = (list, x, y) => () => list.map((one, k) => ({
-      type: "scatter", mode: "lines", x: x(one), y: y(one), name: one.name,
-      line: { color: this.data.runPalette[dark() ? "dark" : "light"][k], width: 1.8, dash: style[k % 4] },
-      hovertemplate: "%{y:.4g}<extra>%{fullData.name}</extra>",
+    const row = this.row("shared"), runs = this.data.runs, names = runs.map((run) => run.name);
+    const joined = (tables) => () => uPlot.join(tables);
+    const common = { names, colours: () => this.data.runPalette[dark() ? "dark" : "light"], dashed: true, legend: true, width: 1.8 };
+    const periods = [...new Set(runs.map((run) => run.T))];
+    this.add(row, { ...common, field: "T_max", label: "T_max [s]", unit: "s", title: "Lemma 1's bound T_max, and T (thin)", timed: true, log: true, levels: periods,
+      range: () => [0.7 * Math.min(...periods, ...runs.map((run) => extremes(run.T_max)[0])), 1.4 * Math.max(...periods, ...runs.map((run) => extremes(run.T_max)[1]))],
+      table: joined(runs.map((run) => [run.T_max.t, run.T_max.y[0]])) });
+    this.add(row, { ...common, field: "J", label: "J so far [1]", unit: "", title: "Objective", timed: true, table: joined(runs.map((run) => [run.J.t, run.J.y[0]])) });
+    for (const [field, label, title, unit] of [["V", "V(s) [m²/s²]", "Potential", "m²/s²"], ["slope", "V'(s) [m/s²]", "Its slope", "m/s²"]]) {
+      this.add(row, { ...common, field, label, title, unit, below: "gap s [m]", table: joined(this.data.curves.map((curve) => [curve.s, curve[field]])) });
+    }
+  }
+
+  options(plot) {
+    const font = "11px " + getComputedStyle(document.body).fontFamily, colours = plot.colours();
+    const axis = { stroke: ink("--soft"), grid: { stroke: ink("--line"), width: 1 }, ticks: { stroke: ink("--line"), width: 1, size: 4 }, font, labelFont: font, labelGap: 0, gap: 3 };
+    const symlog = plot.field === "acceleration" && document.getElementById("same").checked;
+    const y = plot.log ? { distr: 3 } : symlog ? { distr: 4, asinh: 1 } : {};
+    const series = plot.names.map((label, i) => ({
+      label, stroke: colours[i % colours.length], width: plot.width, points: { show: false }, spanGaps: plot.timed,
+      dash: plot.dashed ? DASHES[i % 4] : [], show: plot.dashed || !this.hidden.has(plot.first + i),
     }));
-    const runs = this.data.runs, periods = [...new Set(runs.map((run) => run.T))];
-    this.add(row, { field: "T_max", label: "T_max [s]", title: "Lemma 1's bound, and T", timed: true, log: true, legend: true, levels: periods, traces: lines(runs, (r) => r.T_max.t, (r) => r.T_max.y[0]) });
-    this.add(row, { field: "J", label: "J so far [1]", title: "Objective", timed: true, legend: true, traces: lines(runs, (r) => r.J.t, (r) => r.J.y[0]) });
-    this.add(row, { field: "V", label: "V [m²/s²]", below: "gap s [m]", title: "Potential", legend: true, traces: lines(this.data.curves, (c) => c.s, (c) => c.V) });
-    this.add(row, { field: "slope", label: "V' [m/s²]", below: "gap s [m]", title: "Its slope", legend: true, traces: lines(this.data.curves, (c) => c.s, (c) => c.slope) });
-    row.querySelectorAll(".plot").forEach((box) => { box.style.height = "300px"; });
-  }
-
-  layout(plot) {
-    const axis = { gridcolor: ink("--line"), zerolinecolor: ink("--line"), linecolor: ink("--line"), automargin: true };
-    const layout = {
-      title: { text: plot.title, font: { size: 13 }, x: 0.02, xanchor: "left", y: 0.98, yanchor: "top" },
-      margin: { l: 48, r: 8, t: 26, b: 34 }, paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
-      font: { color: ink("--ink"), size: 11 }, showlegend: !!plot.legend, hovermode: plot.timed && this.data.vehicles <= 12 ? "x unified" : "closest",
-      hoverlabel: { bgcolor: ink("--panel"), font: { color: ink("--ink") } },
-      legend: { orientation: "h", y: -0.22, yanchor: "top", x: 0, font: { size: 10 } },
-      xaxis: { ...axis, title: { text: plot.below || "time [s]", standoff: 4 }, ...(plot.timed ? { range: this.window || [0, this.data.duration] } : {}) },
-      yaxis: { ...axis, title: { text: plot.label, standoff: 4 }, ...(plot.log ? { type: "log" } : {}), ...(plot.range ? { range: plot.range } : {}) },
-      shapes: (plot.levels || []).map((T) => ({ type: "line", xref: "paper", x0: 0, x1: 1, y0: T, y1: T, line: { color: ink("--ink"), width: 1, dash: "dot" } })),
+    return {
+      width: Math.max(plot.div.clientWidth, 50), height: plot.div.clientHeight, legend: { show: false }, focus: { alpha: 1 },
+      scales: { x: { time: false, range: plot.timed ? (_, low, high) => [low, high] : undefined }, y: { ...y, ...(plot.range ? { range: plot.range } : {}) } },
+      axes: [{ ...axis, label: plot.below || "time [s]", labelSize: 15, size: 22 }, { ...axis, label: plot.label, labelSize: 16, size: 46 }],
+      series: [{}, ...series],
+      cursor: { drag: { x: true, y: false }, sync: plot.timed ? { key: "time", setSeries: false } : undefined, points: { size: 5 } },
+      hooks: { ready: [() => this.place(plot)], setScale: [(_, key) => key === "x" && this.scaled(plot)], setCursor: [() => this.say(plot)], draw: [(chart) => this.levels(plot, chart)] },
     };
-    return layout;
   }
 
-  draw(box) {
-    const plot = this.plots.find((one) => one.box === box);
-    if (plot.drawn) return;
-    plot.drawn = true;
-    this.seen.unobserve(box);
-    Plotly.newPlot(plot.div, plot.traces(), this.layout(plot), { responsive: true, displaylogo: false, displayModeBar: false });
+  draw(plot) {
+    if (plot.chart) return;
+    this.seen.unobserve(plot.box);
+    plot.chart = new uPlot(this.options(plot), plot.table(), plot.div);
+    plot.box.classList.add("drawn");
+    if (plot.legend && plot.dashed) {
+      plot.legend.innerHTML = plot.names.map((_, i) => `<span><i style="border-top:2px ${BORDERS[i % 4]} ${plot.colours()[i]}"></i></span>`).join("");
+      plot.legend.querySelectorAll("span").forEach((span, i) => span.append(plot.names[i]));
+    }
     if (!plot.timed) return;
-    plot.div.on("plotly_relayout", (change) => this.link(plot, change));
-    plot.div.on("plotly_click", (event) => this.road.show(Math.max(0, Math.min(this.data.duration, event.points[0].x))));
-    plot.div.on("plotly_afterplot", () => this.place(plot));
+    if (this.window[0] !== 0 || this.window[1] !== this.data.duration) this.zoom(plot, this.window);
+    plot.cursor = document.createElement("div");
+    plot.cursor.className = "cursor";
+    plot.chart.over.append(plot.cursor);
+    this.listen(plot);
     this.place(plot);
   }
 
-  link(source, change) {
-    if (this.linking) return;
-    const auto = change["xaxis.autorange"], low = change["xaxis.range[0]"], range = change["xaxis.range"];
-    if (!auto && low === undefined && !range) return;
-    this.window = auto ? [0, this.data.duration] : range || [low, change["xaxis.range[1]"]];
+  // A click, unlike a drag, moves the animation.
+  listen(plot) {
+    let down = 0;
+    plot.chart.over.addEventListener("mousedown", (event) => { down = event.clientX; });
+    plot.chart.over.addEventListener("click", (event) => {
+      if (Math.abs(event.clientX - down) > 3) return;
+      const time = plot.chart.posToVal(event.clientX - plot.chart.over.getBoundingClientRect().left, "x");
+      this.road.show(Math.max(0, Math.min(this.data.duration, time)));
+    });
+  }
+
+  fit(plot) {
+    if (!plot.chart || !plot.div.clientWidth) return;
+    plot.chart.setSize({ width: plot.div.clientWidth, height: plot.div.clientHeight });
+    this.place(plot);
+  }
+
+  // What the pointer is on: the line nearest to it, and its value.
+  say(plot) {
+    const { left, top, idx } = plot.chart.cursor;
+    if (idx === null || idx === undefined || left < 0) { plot.says.textContent = ""; return; }
+    const x = plot.chart.posToVal(left, "x");
+    let nearest = null;
+    plot.names.forEach((name, i) => {
+      const value = plot.chart.data[i + 1][idx];
+      if (!plot.chart.series[i + 1].show || value === null || value === undefined) return;
+      const distance = Math.abs(plot.chart.valToPos(value, "y") - top);
+      if (!nearest || distance < nearest.distance) nearest = { name, value, distance };
+    });
+    plot.says.textContent = `${x.toFixed(2)} ${plot.timed ? "s" : "m"}` + (nearest ? `: ${nearest.name} ${nearest.value.toPrecision(4)} ${plot.unit}` : "");
+  }
+
+  levels(plot, chart) {
+    for (const level of plot.levels || []) {
+      const y = chart.valToPos(level, "y", true), { left, width } = chart.bbox;
+      chart.ctx.save();
+      chart.ctx.strokeStyle = ink("--ink");
+      chart.ctx.lineWidth = 1;
+      chart.ctx.setLineDash([]);
+      chart.ctx.beginPath();
+      chart.ctx.moveTo(left, y);
+      chart.ctx.lineTo(left + width, y);
+      chart.ctx.stroke();
+      chart.ctx.restore();
+    }
+  }
+
+  zoom(plot, [min, max]) {
     this.linking = true;
-    const others = this.plots.filter((plot) => plot.timed && plot.drawn && (auto || plot !== source));
-    Promise.all(others.map((plot) => Plotly.relayout(plot.div, { "xaxis.range": this.window }))).finally(() => { this.linking = false; });
+    plot.chart.batch(() => plot.chart.setScale("x", { min, max }));
+    this.linking = false;
+    this.place(plot);
+  }
+
+  scaled(plot) {
+    if (this.linking || !plot.timed || !plot.chart) return;
+    const { min, max } = plot.chart.scales.x;
+    if (min !== this.window[0] || max !== this.window[1]) this.link(plot, [min, max]);
+    this.place(plot);
+  }
+
+  link(source, range) {
+    this.window = range;
+    this.plots.filter((plot) => plot.timed && plot.chart && plot !== source).forEach((plot) => this.zoom(plot, range));
   }
 
   // The line at the animation's time: an element of its own, so that moving it redraws nothing.
   place(plot) {
-    if (!plot.drawn || !plot.timed || !plot.div._fullLayout) return;
-    const { xaxis, _size } = plot.div._fullLayout;
-    const x = xaxis.l2p(this.road.time);
-    plot.cursor.hidden = x < 0 || x > xaxis._length;
-    plot.cursor.style.left = `${_size.l + x}px`;
-    plot.cursor.style.top = `${_size.t}px`;
-    plot.cursor.style.height = `${_size.h}px`;
+    if (!plot.cursor) return;
+    const x = plot.chart.valToPos(this.road.time, "x");
+    plot.cursor.hidden = !(x >= 0 && x <= plot.chart.over.clientWidth);
+    plot.cursor.style.transform = `translateX(${x}px)`;
   }
 
   time() { this.plots.forEach((plot) => this.place(plot)); }
 
+  redraw(which) {
+    for (const plot of this.plots.filter((one) => one.chart && which(one))) {
+      plot.chart.destroy();
+      plot.chart = plot.cursor = null;
+      this.draw(plot);
+    }
+  }
+
   recolour() {
     this.chips();
-    for (const plot of this.plots.filter((one) => one.drawn)) Plotly.react(plot.div, plot.traces(), this.layout(plot));
+    this.redraw(() => true);
   }
 
   toggle(numbers, shown) {
     numbers.forEach((number) => (shown ? this.hidden.delete(number) : this.hidden.add(number)));
-    for (const plot of this.plots.filter((one) => one.drawn && ROWS.some(([field]) => field === one.field))) {
-      Plotly.restyle(plot.div, { visible: plot.div.data.map((trace) => !this.hidden.has(trace.vehicle)) });
+    for (const plot of this.plots.filter((one) => one.chart && !one.dashed)) {
+      plot.chart.batch(() => plot.names.forEach((_, i) => plot.chart.setSeries(i + 1, { show: !this.hidden.has(plot.first + i) })));
     }
     this.chips();
   }
@@ -162,7 +229,7 @@ class Plots {
       chip.className = "chip";
       chip.type = "button";
       chip.setAttribute("aria-pressed", shown);
-      chip.innerHTML = `<i style="background:${colours[first - 1]}"></i>${first === 1 && size === 1 ? "vehicle 1, leads" : size === 1 ? "vehicle " + first : `vehicles ${first} to ${last}`}`;
+      chip.innerHTML = `<i style="background:${colours[first - 1]}"></i>${last === 1 ? "vehicle 1, leads" : first === last ? "vehicle " + first : `vehicles ${first} to ${last}`}`;
       chip.addEventListener("click", () => this.toggle(numbers, !shown));
       group.append(chip);
     }
@@ -177,11 +244,8 @@ class Plots {
   document.getElementById("theme").addEventListener("click", () => {
     document.documentElement.dataset.theme = dark() ? "light" : "dark";
     road.show(road.time);
-    if (plots) plots.recolour();
+    plots.recolour();
   });
-  const script = document.createElement("script");
-  script.textContent = await unpack("plotly-packed");
-  document.head.append(script);
   plots = new Plots(data, road);
   window.psp = { data, road, plots };
   document.documentElement.dataset.ready = "yes";

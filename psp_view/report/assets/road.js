@@ -117,7 +117,7 @@ class Road {
     pen.fill();
     if (brakes) { pen.fillStyle = ink("--brake"); pen.fillRect(front - length - 1, top - 2, Math.max(2, length * 0.12), thick + 4); }
     if (length > 13) {
-      pen.fillStyle = ["#F0E442", "#56B4E9", "#E69F00", "#ffffff", "#3fa7e0"].includes(colour) || dark() ? "#000000" : "#ffffff";
+      pen.fillStyle = bright(colour) ? "#000000" : "#ffffff";
       pen.font = "600 11px system-ui, sans-serif";
       pen.textAlign = "center";
       pen.textBaseline = "middle";

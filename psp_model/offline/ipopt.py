@@ -1,0 +1,79 @@
+"""A local solver on the same objective: CasADi and IPOPT by single shooting, to compare with (ours)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..feedback import feedback
+from ..objective import running_cost
+from ..parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN
+from ..potential import potential_slope
+from ..sampled_data import advance
+from .engine import Problem, _Shape
+
+Array = NDArray[Any]
+
+GUESSES = ((1e-3, 9.0, 4.0), (1e-3, 11.0, 5.5), (1e-3, 13.0, 6.0))
+_POINTS = 31  # of the hill at which the slope is constrained
+
+
+class LocalSolver:
+    """IPOPT for one problem, with exact first derivatives through the whole run.
+
+    Attributes
+    ----------
+    problem : what is solved
+    """
+
+    def __init__(self, problem: Problem):
+        self.problem = problem
+
+    @cached_property
+    def _solver(self) -> Any:
+        import casadi
+
+        n, T, constants = self.problem.vehicles, self.problem.T, self.problem.constants
+        state, triple = casadi.SX.sym("state", 2 * n - 1), casadi.SX.sym("triple", 3)
+        shape = _Shape(triple[0], triple[1], triple[2])
+        s, v = state[: n - 1], state[n - 1 :]
+        a = feedback(s, v, shape, constants)
+        after = casadi.vertcat(*advance(s, v, a, T))
+        cost = sum(running_cost(s, v, a, T, self.problem.weights))
+        step = casadi.Function("step", [state, triple], [after, cost])
+        x, start = casadi.MX.sym("x", 3), casadi.MX.sym("start", 2 * n - 1)
+        periods = round(self.problem.horizon / T)
+        _, costs = step.mapaccum("run", periods)(start, casadi.repmat(x, 1, periods))
+        places = triple[1] + np.linspace(0.0, HILL_WIDTH, _POINTS)
+        slopes = casadi.Function("slopes", [triple], [potential_slope(casadi.SX(places), shape, constants)])
+        nlp = {"x": x, "p": start, "f": casadi.sum2(costs), "g": slopes(x)}
+        options = {"ipopt.hessian_approximation": "limited-memory", "ipopt.print_level": 0, "ipopt.max_iter": 60}
+        return casadi.nlpsol("solver", "ipopt", nlp, options | {"print_time": False, "ipopt.sb": "yes"})
+
+    def solve(self, start: Array, guesses: Sequence[Sequence[float]] = GUESSES) -> tuple[Array, float]:
+        """The best end of IPOPT's runs from some guesses.
+
+        Parameters
+        ----------
+        start : (2n-1,) gaps [m], then speeds [m/s]
+        guesses : triples to begin at
+
+        Returns
+        -------
+        triple : (3,) alpha, r, p; the slope limit holds at the constrained points
+        J : there
+        """
+        constants = self.problem.constants
+        low = [ALPHA_MIN, constants.L + 0.1, P_MIN]
+        high = [ALPHA_MAX, constants.lam - HILL_WIDTH, P_MAX]
+        best, J = np.array(guesses[0]), np.inf
+        for guess in guesses:
+            found = self._solver(x0=guess, p=start, lbx=low, ubx=high, lbg=-constants.z, ubg=constants.z)
+            violated = max(0.0, float(np.abs(np.array(found["g"])).max()) - constants.z)
+            if float(found["f"]) < J and violated < 1e-4:
+                best, J = np.array(found["x"]).ravel(), float(found["f"])
+        return best, J

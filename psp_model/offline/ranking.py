@@ -1,0 +1,94 @@
+"""A dictionary of good triples, and the second output of the network, which ranks them for a start (ours)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..feasible import project
+from ..parameters import PotentialParameters
+from .fit import Layers, Schedule, apply, initial_layers
+from .onnx_file import fold_scaling
+from .parquet import Dataset
+from .recipes import Trained, Watch, _fitted, input_scaling, regrets, scaled_starts
+from .slope_limit import SlopeLimit
+
+Array = NDArray[Any]
+
+TEMPERATURE = 0.004  # regret at which a triple is worth 1/e of the best one
+SCHEDULE = Schedule(1e-3, True, 60, 128, 60)
+
+
+def choose_dictionary(regret: Array, size: int) -> Array:
+    """Points of the grid that together serve the starts best: each one lowers the mean least regret most (greedy).
+
+    Parameters
+    ----------
+    regret : (B, C) regret of B starts at C points
+    size : how many points to choose, K
+
+    Returns
+    -------
+    (K,) indices, the most useful first
+    """
+    least = np.full(len(regret), np.inf, np.float32)
+    chosen: list[int] = []
+    for _ in range(size):
+        means = np.minimum(regret, least[:, None]).mean(axis=0)
+        means[chosen] = np.inf
+        chosen.append(int(means.argmin()))
+        least = np.minimum(least, regret[:, chosen[-1]])
+    return np.array(chosen)
+
+
+def train_ranking(
+    data: Dataset,
+    size: int,
+    hidden: tuple[int, ...],
+    seed: int,
+    checkpoint: Path | None,
+    watch: Watch,
+    schedule: Schedule = SCHEDULE,
+) -> tuple[Trained, Array]:
+    """Train scores whose softmax is the softmax of -regret / TEMPERATURE over the dictionary.
+
+    Parameters
+    ----------
+    data : with tables
+    size : of the dictionary, K
+    hidden : widths of the hidden layers
+    seed, checkpoint, watch : as for `recipes.train`
+    schedule : of the fit
+
+    Returns
+    -------
+    trained : layers from a raw start to K scores
+    dictionary : (K, 3) alpha, r, p, feasible
+    """
+    import jax
+
+    regret = regrets(data, 0.15).reshape(len(data.J), -1)
+    sample = np.random.default_rng(seed).permutation(len(regret))[:4000]
+    chosen = choose_dictionary(regret[sample], size)
+    worth = np.exp(-(regret[:, chosen] - regret[:, chosen].min(axis=1, keepdims=True)) / TEMPERATURE)
+    arrays = {"x": scaled_starts(data), "y": (worth / worth.sum(axis=1, keepdims=True)).astype(np.float32)}
+
+    def loss(layers: Layers, batch: dict[str, Any]) -> Any:
+        return -(batch["y"] * jax.nn.log_softmax(apply(layers, batch["x"]))).sum(axis=1).mean()
+
+    layers = initial_layers([data.starts.shape[1], *hidden, size], seed)
+    found, test = _fitted(layers, loss, arrays, arrays, schedule, seed, checkpoint, watch)
+    raw = fold_scaling(found.best, *input_scaling(data.domain, data.problem.vehicles), np.zeros(size), np.ones(size))
+    return Trained(raw, found.best, found, test), dictionary_triples(data, chosen)
+
+
+def dictionary_triples(data: Dataset, chosen: Array) -> Array:
+    """(K, 3) alpha, r, p of points of the data set's grid, inside the feasible set."""
+    grid, constants = data.grid, data.problem.constants
+    i, j = np.divmod(chosen, grid.level.size)
+    triples, _ = SlopeLimit(constants).triples(np.full(i.shape, grid.alpha), grid.r[i], grid.level[j])
+    shapes = [project(PotentialParameters(*map(float, row)), constants) for row in triples]
+    return np.array([(shape.alpha, shape.r, shape.p) for shape in shapes])

@@ -1,0 +1,203 @@
+"""The ways to train a network: `mse`, the paper's, and `cost`, on what its answers cost on the road."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN
+from ..state import StartDomain
+from .cost_table import TableCost, blurred, regret_tables
+from .engine import Problem
+from .errors import OfflineError
+from .fit import Fit, Layers, Schedule, apply, fit, initial_layers
+from .onnx_file import fold_scaling
+from .parquet import Dataset
+from .slope_limit import SlopeLimit
+
+Array = NDArray[Any]
+Watch = Callable[[int, float, float], None]
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """How a network is trained.
+
+    Attributes
+    ----------
+    name : mse or cost
+    hidden : widths of the hidden layers
+    schedule : of the fit
+    blur : standard deviation of the blur of the cost tables [cells]
+    cap : largest regret that the cost tables keep
+    """
+
+    name: str
+    hidden: tuple[int, ...]
+    schedule: Schedule
+    blur: float = 0.0
+    cap: float = 0.15
+
+
+RECIPES = {
+    # the paper's, section IV; batch and optimiser (Adam) are ours, as it gives none
+    "mse": Recipe("mse", (32, 16), Schedule(35e-6, False, 2000, 32, 50, 1e-3)),
+    # ours
+    "cost": Recipe("cost", (32, 16), Schedule(3e-3, True, 300, 128, 300), blur=1.0),
+}
+
+
+@dataclass(frozen=True)
+class Trained:
+    """A trained chain of layers.
+
+    Attributes
+    ----------
+    layers : float32, from a raw start to raw output, all scaling inside
+    scaled : the same on scaled input with scaled output, as it was trained
+    fit : how the training went
+    test_loss : the recipe's loss on the part of the data that neither trained nor stopped it
+    """
+
+    layers: Any
+    scaled: Any
+    fit: Fit
+    test_loss: float
+
+
+def split(rows: int, seed: int) -> tuple[Array, Array, Array]:
+    """Row numbers for training (85 %), validation (7.5 %) and test (7.5 %) (paper, section IV)."""
+    order = np.random.default_rng(seed).permutation(rows)
+    first, second = round(0.85 * rows), round(0.925 * rows)
+    return order[:first], order[first:second], order[second:]
+
+
+def input_scaling(domain: StartDomain, vehicles: int) -> tuple[Array, Array]:
+    """Shift and scale that map the domain's bounds to -1 and 1."""
+    low = np.r_[np.full(vehicles - 1, domain.gap_min), np.full(vehicles, domain.speed_min)]
+    high = np.r_[np.full(vehicles - 1, domain.gap_max), np.full(vehicles, domain.speed_max)]
+    return (low + high) / 2, (high - low) / 2
+
+
+def output_scaling(problem: Problem) -> tuple[Array, Array]:
+    """Shift and scale that map 0 and 1 to the bounds of alpha, r and p (paper: normalised data points)."""
+    constants = problem.constants
+    low = np.array([ALPHA_MIN, constants.L, P_MIN])
+    return low, np.array([ALPHA_MAX, constants.lam - HILL_WIDTH, P_MAX]) - low
+
+
+def scaled_starts(data: Dataset) -> Array:
+    """(B, 2n-1) float32 array, the starts as the networks see them in training."""
+    shift, scale = input_scaling(data.domain, data.problem.vehicles)
+    return ((data.starts - shift) / scale).astype(np.float32)
+
+
+def train(data: Dataset, recipe: Recipe, seed: int, checkpoint: Path | None, watch: Watch) -> Trained:
+    """Train the network that gives alpha, r, p.
+
+    Parameters
+    ----------
+    data : starts and optima; with tables for recipe cost
+    recipe : how
+    seed : of weights, split and batches
+    checkpoint : to go on from after an interruption
+    watch : called after each epoch with its number and the losses in training and validation
+
+    Returns
+    -------
+    Trained
+    """
+    shift, scale = output_scaling(data.problem)
+    arrays, truth, loss = _mse(data) if recipe.name == "mse" else _cost(data, recipe)
+    layers = initial_layers([data.starts.shape[1], *recipe.hidden, 3], seed)
+    if recipe.name == "cost":  # begin at the best fixed triple's place, and keep alpha at its bound
+        layers[-1] = (0.1 * layers[-1][0], np.array([0.0, 0.5, 0.42], np.float32))
+    found, test = _fitted(layers, loss, arrays, truth, recipe.schedule, seed, checkpoint, watch)
+    if recipe.name == "cost":
+        W, b = (np.array(part) for part in found.best[-1])
+        W[:, 0], b[0] = 0.0, 0.0
+        found.best[-1] = (W, b)
+    raw = fold_scaling(found.best, *input_scaling(data.domain, data.problem.vehicles), shift, scale)
+    return Trained(raw, found.best, found, test)
+
+
+def _fitted(
+    layers: Layers, loss: Any, arrays: Any, truth: Any, schedule: Schedule, seed: int, checkpoint: Any, watch: Watch
+) -> tuple[Fit, float]:
+    """Fit on the training part; validation and test use `truth`, the arrays without blur."""
+    training, validation, test = split(len(arrays["x"]), seed)
+    schedule = replace(schedule, batch=min(schedule.batch, len(training)))
+    parts = [{name: array[rows] for name, array in source.items()}
+             for source, rows in ((arrays, training), (truth, validation), (truth, test))]
+    found = fit(layers, loss, parts[0], parts[1], schedule, seed, checkpoint, watch)
+    return found, float(loss(found.best, parts[2]))
+
+
+def _mse(data: Dataset) -> tuple[dict[str, Array], dict[str, Array], Any]:
+    """Arrays and loss of the paper's recipe: mean squared error on the normalised argmin."""
+    shift, scale = output_scaling(data.problem)
+    arrays = {"x": scaled_starts(data), "y": ((data.triples - shift) / scale).astype(np.float32)}
+
+    def loss(layers: Layers, batch: dict[str, Any]) -> Any:
+        return ((apply(layers, batch["x"]) - batch["y"]) ** 2).mean()
+
+    return arrays, arrays, loss
+
+
+def _cost(data: Dataset, recipe: Recipe) -> tuple[dict[str, Array], dict[str, Array], Any]:
+    """Arrays and loss of recipe cost: mean regret of the answers, read from each start's table of J (ours)."""
+    import jax.numpy as jnp
+
+    regret = regrets(data, recipe.cap)
+    cost = TableCost.of(data.grid, SlopeLimit(data.problem.constants))
+    shift, scale = output_scaling(data.problem)
+    rows, x = len(regret), scaled_starts(data)
+    arrays = {"x": x, "t": blurred(regret, recipe.blur).reshape(rows, -1)}
+
+    def loss(layers: Layers, batch: dict[str, Any]) -> Any:
+        y = apply(layers, batch["x"])
+        r, p = shift[1] + scale[1] * y[:, 1], shift[2] + scale[2] * y[:, 2]
+        outside = jnp.maximum(-y[:, 1:], 0.0) + jnp.maximum(y[:, 1:] - 1.0, 0.0)
+        return cost(batch["t"], r, p).mean() + 0.01 * (outside**2).sum(axis=1).mean()  # the table is flat out there
+
+    return arrays, {"x": x, "t": regret.reshape(rows, -1)}, loss
+
+
+def regrets(data: Dataset, cap: float) -> Array:
+    """Tables of regret of a data set.
+
+    Raises
+    ------
+    OfflineError : where the data set has none
+    """
+    if data.tables is None:
+        raise OfflineError("this data set has no tables of J, which recipe cost needs: make it with --tables")
+    return regret_tables(data.tables, data.J, cap)
+
+
+def curves(found: Sequence[tuple[float, float]], best: int, path: Path, title: str, label: str) -> None:
+    """Picture of the losses over the epochs.
+
+    Parameters
+    ----------
+    found : (training, validation) loss of each epoch
+    best : the epoch that was kept
+    path : PNG file
+    title, label : of the picture and of the losses' axis
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6, 3.5), layout="constrained")
+    axes = figure.subplots()
+    for name, values in zip(("training", "validation"), zip(*found, strict=True), strict=True):
+        axes.semilogy(range(1, len(found) + 1), values, label=name)
+    axes.axvline(best + 1, color="grey", linewidth=0.8, label="kept")
+    axes.set(xlabel="epoch", ylabel=label, title=title)
+    axes.legend()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=100)

@@ -1,0 +1,1 @@
+"""The explorer: a page with sliders in front of the model."""

@@ -1,0 +1,70 @@
+"""Directional derivatives of the native FMU against central differences through the FMU itself."""
+
+from __future__ import annotations
+
+from ctypes import c_double, c_uint
+
+import numpy as np
+import pytest
+
+from harness import ERROR, OK, Instance, random_start, starts
+
+OUTPUTS = [f"a[{i}]" for i in range(1, 8)] + ["x[4]", "v[2]", "s[5]", "T_max", "alpha", "r", "p", "J"]
+KNOWN = ["s_start[2]", "s_start[5]", "v_start[1]", "v_start[6]", "x_start", "mu", "v_star", "v_max", "epsilon", "L"]
+KNOWN += ["lambda", "alpha_fixed", "r_fixed", "p_fixed", "T", "w1"]
+
+
+def _initial(instance: Instance, values: dict[str, float]) -> np.ndarray:
+    assert instance.call("fmi2Reset") == OK
+    assert instance.initialise(values) == OK
+    return np.array(instance.get(*OUTPUTS))
+
+
+def _derivative(instance: Instance, known: list[str], seed: list[float]) -> tuple[int, np.ndarray]:
+    reference = instance.fmu.reference
+    unknowns = (c_uint * len(OUTPUTS))(*(reference[name] for name in OUTPUTS))
+    knowns = (c_uint * len(known))(*(reference[name] for name in known))
+    result = (c_double * len(OUTPUTS))()
+    directions = (c_double * len(seed))(*seed)
+    counts = len(OUTPUTS), len(known)
+    status = instance.call("fmi2GetDirectionalDerivative", unknowns, counts[0], knowns, counts[1], directions, result)
+    return status, np.array(result)
+
+
+@pytest.mark.parametrize("potential", [1, 2])
+@pytest.mark.parametrize("known", KNOWN)
+def test_derivatives_at_the_start_match_differences(native, potential, known):
+    values = starts(*random_start(8)) | {
+        "potential": potential,
+        "parameter_source": 2,
+        "alpha_fixed": 2e-3,
+        "p_fixed": 5.0,
+    }
+    start = {v.name: float(v.start) for v in native.fmu.description.modelVariables if v.start is not None}
+    at, h = (start | values)[known], 1e-6
+    slope = (_initial(native, values | {known: at + h}) - _initial(native, values | {known: at - h})) / (2 * h)
+    assert native.call("fmi2Reset") == OK
+    assert native.set(values) == OK and native.call("fmi2EnterInitializationMode") == OK
+    status, derivative = _derivative(native, [known], [1.0])
+    assert status == OK
+    np.testing.assert_allclose(derivative, slope, rtol=1e-5, atol=1e-6)
+
+
+def test_several_knowns_add_up(native):
+    assert native.set({"parameter_source": 2}) == OK and native.call("fmi2EnterInitializationMode") == OK
+    single = [_derivative(native, [name], [1.0])[1] for name in KNOWN]
+    seed = list(np.linspace(-1, 2, len(KNOWN)))
+    _, together = _derivative(native, KNOWN, seed)
+    np.testing.assert_allclose(together, np.array(seed) @ np.array(single), rtol=1e-9, atol=1e-12)
+
+
+def test_what_the_network_chooses_has_no_derivative_and_says_so(native):
+    assert native.call("fmi2EnterInitializationMode") == OK
+    status, _ = _derivative(native, ["s_start[2]"], [1.0])
+    assert status == ERROR and "set parameter_source to 2" in native.messages[-1][1]
+
+
+def test_after_initialisation_there_is_nothing_to_derive_by(native):
+    assert native.initialise({"parameter_source": 2}) == OK
+    assert _derivative(native, [], [])[0] == OK
+    assert _derivative(native, ["s_start[2]"], [1.0])[0] == ERROR
