@@ -94,12 +94,14 @@ class PspController(TableSlave):
 
     def _sample(self, controller: SampledController) -> None:
         n, time, taken = self.vehicles, self._instant(), self._value("t_measured")
+        desired = self._value("v_desired")
         measured = Measurement(
             s=np.array(self._numbers("s", 2, n)),
             v=np.array(self._numbers("v", 1, n)),
             n_active=self._value("n_active"),
             resolve=self._value("resolve"),
             age=time - (self._set_at if taken < 0 else taken),
+            v_desired=None if desired < 0 else desired,
         )
         controller.sample(time, measured)
 

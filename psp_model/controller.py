@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 
 import numpy as np
@@ -82,6 +82,7 @@ class Measurement:
     n_active : vehicles under control
     resolve : alpha, r, p are chosen anew where this rises above 0.5
     age : time since gaps and speeds were measured [s]
+    v_desired : desired speed instead of v_star, None for v_star [m/s] (ours: the paper has one v_star for good)
     """
 
     s: Vector
@@ -89,6 +90,7 @@ class Measurement:
     n_active: float
     resolve: float = 0.0
     age: float = 0.0
+    v_desired: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,6 +181,8 @@ class SampledController:
             raise ModelError("stale", measured.age, settings.max_age)
         if not np.isfinite(measured.resolve):
             raise ModelError("finite", "resolve", measured.resolve, "1")
+        if measured.v_desired is not None and not 0 < measured.v_desired < v_max:
+            raise ModelError("v_desired", measured.v_desired, v_max)
         s, v = measured.s[: int(n) - 1], measured.v[: int(n)]
         for i in np.flatnonzero(~((s > L) & (s < np.inf))).tolist():
             raise _outside("s", i + 2, s[i], "m", ModelError("measured_gap", i + 2, s[i], L))
@@ -194,7 +198,10 @@ class SampledController:
         if n != before.n_active or measured.resolve > 0.5 >= before.resolve:
             shape, in_domain = self._choose(s, v)
             choices += 1
-        wanted = feedback(s, v, shape, settings.constants)
+        constants = settings.constants
+        if measured.v_desired is not None:
+            constants = replace(constants, v_star=measured.v_desired)
+        wanted = feedback(s, v, shape, constants)
         a = np.zeros(settings.capacity)
         a[:n] = np.clip(wanted, settings.a_min, settings.a_max)
         saturated = np.zeros(settings.capacity, dtype=bool)

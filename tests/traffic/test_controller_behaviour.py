@@ -84,6 +84,13 @@ def test_only_active_vehicles_count_and_are_commanded(controller, n):
     np.testing.assert_allclose(a[:n], law(s[: n - 1], v[:n]), atol=1e-12)
 
 
+def test_the_desired_speed_may_change(controller):
+    s, v = random_start(6)
+    assert controller.initialise(FIXED | named(s, v) | {"v_desired": 20.0}) == OK
+    slower = feedback(np.array(s), np.array(v), BEST_FIXED, PlatoonParameters(v_star=20.0))
+    np.testing.assert_allclose(controller.group("a"), slower, atol=1e-12)
+
+
 def test_the_command_is_bounded_and_says_where(controller):
     s, v = random_start(7)
     assert controller.initialise({"potential": 1, "a_min": -3.0, "a_max": 1.5} | named(s, v)) == OK
@@ -103,6 +110,8 @@ BAD = [
     ({"n_active": 0.0}, "n_active = 0"),
     ({"n_active": 8.0}, "n_active = 8"),
     ({"n_active": nan}, "n_active = nan"),
+    ({"v_desired": 35.0}, "v_desired = 35 m/s"),
+    ({"v_desired": nan}, "v_desired = nan m/s"),
     ({"resolve": nan}, "resolve must be a finite number"),
     ({"t_measured": 0.0}, "0.02 s old"),
     ({"t_measured": nan}, "nan s old"),
@@ -113,7 +122,7 @@ BAD = [
 def test_bad_input_is_an_error_of_one_sentence_or_the_safe_action_until_it_is_good_again(
     instances, controller_fmu, bad, part
 ):
-    good = named(*random_start(8)) | {"n_active": 7.0, "resolve": 0.0, "t_measured": 0.02}
+    good = named(*random_start(8)) | {"n_active": 7.0, "resolve": 0.0, "t_measured": 0.02, "v_desired": -1.0}
     strict = instances(controller_fmu)
     assert strict.initialise(FIXED | {"max_age": 0.015} | good) == OK
     assert strict.step(0.0, 2 * T) == OK
