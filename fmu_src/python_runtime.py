@@ -232,7 +232,6 @@ def _generated_files(
     return {
         "modelDescription.xml": model_description(described, table),
         "resources/slavemodule.txt": module.encode(),
-        "resources/guid.txt": guid_of(digest).encode(),
         "resources/guid.txt": described.guid.encode(),
         f"resources/{module}.py": script.encode(),
         f"resources/{CONFIG}": json.dumps(config, indent=1).encode(),

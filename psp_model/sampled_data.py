@@ -36,7 +36,12 @@ def advance(s: Any, v: Any, a: Any, tau: Any) -> tuple[Any, Any]:
     -------
     s, v : arrays of the same shapes, a time tau later [m], [m/s]
     """
-    return s + relative(travelled(v, a, tau)), v + tau * a
+    return gaps_after(s, travelled(v, a, tau)), v + tau * a
+
+
+def gaps_after(s: Any, moved: Any) -> Any:
+    """Gaps once every vehicle has travelled the distance `moved` [m]: (n-1, ...) from (n-1, ...) and (n, ...)."""
+    return s + relative(moved)
 
 
 def travelled(v: Any, a: Any, tau: Any) -> Any:

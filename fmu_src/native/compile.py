@@ -75,7 +75,7 @@ def _compile_one(target: str, folder: Path, sources: Sequence[str], name: str, e
     command = [sys.executable, "-m", "ziglang", "cc", "-target", target, *WARNINGS, *FLAGS, *extra]
     command += [f"-Wl,-install_name,@rpath/{library.name}"] if ending == "dylib" else []
     command += ["-o", str(library.relative_to(folder)), *sources]
-    command += ["-lm", "-ldl", "-Wl,--as-needed"] if ending == "so" else []
+    command += ["-flto", "-lm", "-ldl", "-Wl,--as-needed"] if ending == "so" else []
     subprocess.run(command, check=True, cwd=folder)
     return library.read_bytes()
 

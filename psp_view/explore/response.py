@@ -50,7 +50,7 @@ class Response:
 
     Attributes
     ----------
-    run : the run, every 0.05 s; None where the start is refused
+    run : the run; None where the start is refused
     curve : V and V'
     slope : max |V_new'| on the hill [m/s2]; 0 for V_old, which has none
     problem : the model's sentence where start or potential is not allowed, else ""
@@ -87,7 +87,7 @@ def respond(choice: Choice, constants: PlatoonParameters, duration: float = 20.0
             require_feasible(shape, constants)
         except ModelError as error:
             problem = str(error)
-    run = simulate(start, shape, sampling=Sampling(policy=Lemma1Policy.WARN), duration=duration, output_step=0.05)
+    run = simulate(start, shape, sampling=Sampling(policy=Lemma1Policy.WARN), duration=duration)
     return Response(run, line, slope, problem, tuple(figures_of_run(run)))
 
 

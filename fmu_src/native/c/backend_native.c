@@ -50,7 +50,7 @@ fmi2Status backend_terminate(Backend *backend)
 fmi2Status backend_setup(Backend *backend, const double *tolerance, double start, const double *stop)
 {
     (void)tolerance, (void)stop;
-    backend->model.start_time = backend->model.time = start;
+    backend->model.start_time = start;
     return fmi2OK;
 }
 
@@ -63,6 +63,8 @@ bool native_initialise(Backend *backend)
     if (!platoon_read(&model->platoon, backend->front, model->values, &request)) return false;
     model->in_domain = PSP_NETWORK && !outside_domain(request.s, request.v, &model->platoon.constants) ? 1.0 : 0.0;
     if (!platoon_choose(&model->platoon, backend->front, &request)) return false;
+    model->period = 0;
+    model->fraction = 0.0;
     model->has_platoon = platoon_start(&model->platoon, backend->front);
     return model->has_platoon != 0;
 }
@@ -83,31 +85,19 @@ fmi2Status backend_exit_initialization(Backend *backend)
 
 /* time */
 
-/* Period and fraction of the communication point. */
-static bool locate_now(const Model *model, int64_t *period, double *fraction)
-{
-    const double periods = platoon_locate(model->time - model->start_time, model->platoon.T, fraction);
-    if (!(fabs(periods) < PERIODS_MAX)) return false;
-    *period = (int64_t)periods;
-    return true;
-}
-
 fmi2Status backend_do_step(Backend *backend, double from, double size)
 {
     Model *model = &backend->model;
     Platoon *platoon = &model->platoon;
-    int64_t period = 0;
-    double fraction;
-    model->stale = 1;
-    model->time = from + size;
-    if (!locate_now(model, &period, &fraction)) {
-        model->time = from;
+    const double periods = platoon_locate(from + size - model->start_time, platoon->T, &model->fraction);
+    if (!(fabs(periods) < PERIODS_MAX))
         return front_fail(backend->front, "fmi2DoStep was asked for a step of %.10g s, more sampling periods than can be "
                                           "counted: take a shorter step", size);
-    }
-    if (platoon_advance(platoon, backend->front, period, fraction)) return fmi2OK;
-    /* the outputs then show the instant that was refused */
-    model->time = model->start_time + ((double)platoon->now.period + platoon->now.fraction) * platoon->T;
+    model->stale = 1;
+    model->period = (int64_t)periods;
+    if (platoon_advance(platoon, backend->front, model->period, model->fraction)) return fmi2OK;
+    model->period = platoon->now.period; /* the outputs then show the instant that was refused */
+    model->fraction = platoon->now.fraction;
     return fmi2Error;
 }
 
@@ -117,45 +107,46 @@ fmi2Status backend_do_step(Backend *backend, double from, double size)
 static const Instant *observed(const Model *model, Instant *between)
 {
     const Platoon *platoon = &model->platoon;
-    int64_t period = 0;
-    double fraction;
-    locate_now(model, &period, &fraction);
-    const double tau = ((double)(period - platoon->now.period) + (fraction - platoon->now.fraction)) * platoon->T;
+    const double fraction = model->fraction - platoon->now.fraction;
+    const double tau = ((double)(model->period - platoon->now.period) + fraction) * platoon->T;
     if (tau == 0.0) return &platoon->now;
     *between = platoon->now;
     platoon_pass(platoon, between, tau);
     return between;
 }
 
-static void put_out(Model *model, const Instant *seen)
+/* Where an output stands among the outputs. */
+#define AT(reference) ((reference) - PSP_FIRST_OUTPUT)
+
+void native_put_out(const Model *model, double *outputs)
 {
-    double *values = model->values;
+    Instant between;
+    const Instant *seen = observed(model, &between);
     const Platoon *platoon = &model->platoon;
     double x = seen->x;
-    values[PSP_x] = x;
-    for (int i = 1; i < PSP_N; i++) values[PSP_x + i] = x -= seen->s[i - 1];
-    memcpy(values + PSP_v, seen->v, sizeof seen->v);
-    memcpy(values + PSP_a, seen->a, sizeof seen->a);
-    memcpy(values + PSP_s, seen->s, sizeof seen->s);
-    values[PSP_alpha] = platoon->shape.alpha;
-    values[PSP_r] = platoon->shape.r;
-    values[PSP_p] = platoon->shape.p;
-    values[PSP_network_in_domain] = model->in_domain;
-    values[PSP_T_max] = platoon->now.T_max;
-    values[PSP_lemma1_ok] = platoon->now.T_max > platoon->T ? 1.0 : 0.0;
-    values[PSP_lemma1_violations] = (double)platoon->now.violations;
-    values[PSP_J] = seen->cost_acceleration + seen->cost_gaps;
-    values[PSP_J_acceleration] = seen->cost_acceleration;
-    values[PSP_J_gap] = seen->cost_gaps;
+    outputs[AT(PSP_x)] = x;
+    for (int i = 1; i < PSP_N; i++) outputs[AT(PSP_x) + i] = x -= seen->s[i - 1];
+    memcpy(outputs + AT(PSP_v), seen->v, sizeof seen->v);
+    memcpy(outputs + AT(PSP_a), seen->a, sizeof seen->a);
+    memcpy(outputs + AT(PSP_s), seen->s, sizeof seen->s);
+    outputs[AT(PSP_alpha)] = platoon->shape.alpha;
+    outputs[AT(PSP_r)] = platoon->shape.r;
+    outputs[AT(PSP_p)] = platoon->shape.p;
+    outputs[AT(PSP_network_in_domain)] = model->in_domain;
+    outputs[AT(PSP_T_max)] = platoon->now.T_max;
+    outputs[AT(PSP_lemma1_ok)] = platoon->now.T_max > platoon->T ? 1.0 : 0.0;
+    outputs[AT(PSP_lemma1_violations)] = (double)platoon->now.violations;
+    outputs[AT(PSP_J)] = seen->cost_acceleration + seen->cost_gaps;
+    outputs[AT(PSP_J_acceleration)] = seen->cost_acceleration;
+    outputs[AT(PSP_J_gap)] = seen->cost_gaps;
 }
 
 bool native_refresh(Backend *backend)
 {
     Model *model = &backend->model;
-    Instant between;
     if (!model->has_platoon && !model->initialising) return true; /* nothing to show yet */
     if (!model->has_platoon && !native_initialise(backend)) return false;
-    put_out(model, observed(model, &between));
+    native_put_out(model, model->values + PSP_FIRST_OUTPUT);
     model->stale = 0;
     return true;
 }

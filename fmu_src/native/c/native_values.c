@@ -8,10 +8,24 @@ static fmi2Status unknown_reference(Backend *backend, fmi2ValueReference referen
     return front_fail(backend->front, PSP_SENTENCE_reference, (int)reference, type);
 }
 
+/* Whether these are all the outputs in order, as when a host reads everything in one go. */
+static bool are_all_outputs(const fmi2ValueReference vr[], size_t count)
+{
+    fmi2ValueReference apart = 0;
+    if (count != PSP_COUNT - PSP_FIRST_OUTPUT) return false;
+    for (size_t i = 0; i < count; i++) apart |= vr[i] ^ (fmi2ValueReference)(PSP_FIRST_OUTPUT + i);
+    return apart == 0;
+}
+
 fmi2Status backend_get_real(Backend *backend, const fmi2ValueReference vr[], size_t count, fmi2Real value[])
 {
-    const double *values = backend->model.values;
-    if (backend->model.stale && !native_refresh(backend)) return fmi2Error;
+    const Model *model = &backend->model;
+    const double *values = model->values;
+    if (model->has_platoon && are_all_outputs(vr, count)) {
+        native_put_out(model, value); /* without a stop in `values` */
+        return fmi2OK;
+    }
+    if (model->stale && !native_refresh(backend)) return fmi2Error;
     for (size_t i = 0; i < count; i++) {
         if (vr[i] >= PSP_COUNT || native_is_integer(vr[i])) return unknown_reference(backend, vr[i], "Real");
         value[i] = values[vr[i]];

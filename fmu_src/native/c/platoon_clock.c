@@ -34,17 +34,16 @@ void platoon_pass(const Platoon *platoon, Instant *at, double tau)
 {
     const Weights w = platoon->weights;
     const double dv = at->v[0] - at->v[PSP_N - 1], da = at->a[0] - at->a[PSP_N - 1];
-    double v_front = at->v[0], a_front = at->a[0], gaps = 0.0, squares = a_front * a_front;
-    at->x += psp_travelled(v_front, a_front, tau);
-    at->v[0] = psp_speed_after(v_front, a_front, tau);
+    double moved_front = psp_travelled(at->v[0], at->a[0], tau), gaps = 0.0, squares = at->a[0] * at->a[0];
+    at->x += moved_front;
+    at->v[0] = psp_speed_after(at->v[0], at->a[0], tau);
     for (int i = 1; i < PSP_N; i++) {
-        const double v = at->v[i], a = at->a[i], s = at->s[i - 1];
+        const double v = at->v[i], a = at->a[i], s = at->s[i - 1], moved = psp_travelled(v, a, tau);
         gaps += s;
         squares += a * a;
-        at->s[i - 1] = psp_gap_after(s, v_front, v, a_front, a, tau);
+        at->s[i - 1] = psp_gap_after(s, moved_front, moved);
         at->v[i] = psp_speed_after(v, a, tau);
-        v_front = v;
-        a_front = a;
+        moved_front = moved;
     }
     at->cost_acceleration += psp_acceleration_cost(squares, tau, w.w1, w.a_ref);
     at->cost_gaps += psp_gap_cost(gaps, dv, da, tau, w.w2, w.s_ref);
@@ -52,13 +51,14 @@ void platoon_pass(const Platoon *platoon, Instant *at, double tau)
 
 double platoon_locate(double time, double T, double *fraction)
 {
-    const double periods = time / T, nearest = nearbyint(periods);
-    if (fabs(periods - nearest) <= TIME_TOLERANCE) {
-        *fraction = 0.0;
-        return nearest;
-    }
-    *fraction = periods - floor(periods);
-    return floor(periods);
+    const double periods = time / T;
+    *fraction = 0.0;
+    if (!(fabs(periods) < PERIODS_MAX)) return periods;
+    const double nearest = (double)(int64_t)(periods + 0.5); /* no call of the mathematical library: it costs */
+    if (fabs(periods - nearest) <= TIME_TOLERANCE) return nearest;
+    const double whole = (double)(int64_t)periods;
+    *fraction = periods - whole;
+    return whole;
 }
 
 /* With policy 2 a run may leave the model's domain; the other policies keep every gap above L. */

@@ -1,0 +1,42 @@
+"""Time that `parameter_source` 3 takes at initialisation against the number of rollouts: python benchmarks/offline_initialisation.py"""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+
+import numpy as np
+
+from psp_model import ObjectiveWeights, PlatoonState, Sampling, StartDomain
+from psp_model.network import ParameterNetwork
+from psp_model.rollout import best_by_rollout
+
+COUNTS = (1, 2, 4, 8, 16, 32)
+REPEATS = 5
+
+
+def main() -> dict[str, float]:
+    """Measure in NumPy, print and save; the native FMU is measured by benchmarks/native*."""
+    network = ParameterNetwork(Path(__file__).parents[1] / "onnx" / "platoon_7.onnx")
+    s, v = StartDomain().draw(np.random.default_rng(3), 7, 1)
+    start = PlatoonState(s[:, 0], v[:, 0])
+    network.evaluate(start.s, start.v)  # loads
+    result = {}
+    for count in COUNTS:
+        seconds = []
+        for _ in range(REPEATS):
+            begin = time.perf_counter()
+            candidates = network.candidates(start.s, start.v, count)
+            best_by_rollout(start, candidates, ObjectiveWeights(), Sampling(), 20.0)
+            seconds.append(time.perf_counter() - begin)
+        result[f"{count} rollouts"] = min(seconds)
+        print(f"{count:3d} rollouts {1e3 * min(seconds):8.1f} ms")
+    path = Path(__file__).parent / "results" / "offline_initialisation.json"
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(json.dumps({"seconds_numpy": result}, indent=1) + "\n")
+    return result
+
+
+if __name__ == "__main__":
+    main()

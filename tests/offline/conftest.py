@@ -1,0 +1,20 @@
+"""What the tests of the offline half share."""
+
+from __future__ import annotations
+
+import pytest
+
+pytest.importorskip("casadi")
+pytest.importorskip("ziglang")
+
+from small_problems import PLAN, TINY
+
+from psp_model.offline import search
+from psp_model.offline.plan import Plan
+
+
+@pytest.fixture
+def tiny_plan(monkeypatch: pytest.MonkeyPatch) -> Plan:
+    """A data set of 3 vehicles over 2 s that is solved at once."""
+    monkeypatch.setitem(search.EFFORTS, "tiny", TINY)
+    return PLAN
