@@ -11,7 +11,7 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
-from . import build, certify, compare, dataset, evaluate, explore, figures, optimize, report, simulate, train
+from . import build, certify, compare, dataset, evaluate, explore, figures, optimize, report, simulate, sumo, train
 from .bad_input import BadInput
 
 
@@ -56,3 +56,4 @@ app.command("dataset")(dataset.dataset)
 app.command("optimize")(optimize.optimize)
 app.command("train")(train.train)
 app.command("evaluate")(evaluate.evaluate)
+app.command("sumo")(sumo.sumo)

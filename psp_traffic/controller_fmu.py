@@ -66,12 +66,14 @@ class Platoon:
         self._fmu = fmu
         gaps, speeds = [f"s[{i}]" for i in range(2, n + 1)], [f"v[{i}]" for i in range(1, n + 1)]
         self._inputs = fmu.references(*gaps, *speeds, "n_active", "resolve", "v_desired", "t_measured")
-        self._outputs = fmu.references(*(f"a[{i}]" for i in range(1, n + 1)), *(f"saturated[{i}]" for i in range(1, n + 1)))
+        names = [f"{name}[{i}]" for name in ("a", "saturated") for i in range(1, n + 1)]
+        self._outputs = fmu.references(*names, "lemma1_ok", "input_ok")
         self._sent = (c_double * len(self._inputs))()
         self._received = (c_double * len(self._outputs))()
         self.s, self.v = np.full(n - 1, 20.0), np.full(n, 20.0)
         self._started = False
         self.saturated = 0
+        self.uncertified_from = self.fault_from = np.inf  # [s]
 
     def command(self, s: Vector, v: Vector, measured_at: float, v_desired: float = -1.0) -> Vector:
         """Accelerations for the vehicles, from the inputs at this sampling instant.
@@ -100,13 +102,19 @@ class Platoon:
         slave.fmi2GetReal(slave.component, self._outputs, len(self._outputs), self._received)
         capacity = self.v.size
         self.saturated += int(sum(self._received[capacity : capacity + n]))
+        time = self._step * self.T
+        if not self._received[2 * capacity]:
+            self.uncertified_from = min(self.uncertified_from, time)
+        if not self._received[2 * capacity + 1]:
+            self.fault_from = min(self.fault_from, time)
         return np.array(self._received[:n])
 
     def reports(self) -> dict[str, float]:
         """What the controller says of itself."""
         names = ("lemma1_violations", "input_faults", "choices", "alpha", "r", "p", "network_in_domain", "T_max")
         values = self._slave.getReal([self._fmu.variables[name].valueReference for name in names])
-        return dict(zip(names, values, strict=True)) | {"saturated": float(self.saturated)}
+        own = {"saturated": self.saturated, "uncertified_from": self.uncertified_from, "fault_from": self.fault_from}
+        return dict(zip(names, values, strict=True)) | {name: float(value) for name, value in own.items()}
 
     def close(self) -> None:
         """Free the instance."""

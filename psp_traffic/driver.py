@@ -45,7 +45,7 @@ def controllers(fmu: Path, bounds: tuple[float, float] = (A_MIN, A_MAX), wave: b
     wave : whether the leader drives a wave
     """
     common = {"a_min": bounds[0], "a_max": bounds[1], "bad_input": 2, "a_safe": -4.0, "lemma1_policy": 2}
-    free = {"carFollowModel": "IDM", "accel": 100.0, "decel": 100.0, "emergencyDecel": 100.0}
+    free: dict[str, str | float] = {"carFollowModel": "IDM", "accel": 100.0, "decel": 100.0, "emergencyDecel": 100.0}
     new, old = common | {"potential": 2}, common | {"potential": 1}
     found = [Driver("V_new", free, fmu, new), Driver("V_old", free, fmu, old)]
     if wave:

@@ -21,15 +21,15 @@ class Measures:
 
     Attributes
     ----------
-    collisions : vehicles that touched the one ahead
-    gap_min : smallest free space between bumpers, below 0 where vehicles overlap [m]
+    collisions : pairs of vehicles that touched
+    gap_min : smallest free space between bumpers, 0 where vehicles touched [m]
     ttc_min : smallest time to collision while closing [s]
     a_peak, a_rms : of accelerations [m/s2]
     jerk_peak, jerk_rms : [m/s3]
     capacity : vehicles per hour that the last 10 s amount to
     gap_mean : between fronts over the last 10 s [m]
     settling : from when everybody stays within 0.5 m/s of v_star [s]; NaN if never, or on a wave
-    amplification : r.m.s. acceleration of the last vehicle over that of the leader
+    amplification : r.m.s. acceleration of the last vehicle over that of the leader; NaN where it keeps its speed
     co2, fuel : per vehicle and kilometre [g/km]
     """
 
@@ -57,8 +57,9 @@ def gaps(record: Record) -> tuple[NDArray[np.float64], NDArray[np.float64], NDAr
 
     Returns
     -------
-    s, closing, who : (K, n-1) gaps between fronts [m], speeds at which they close [m/s] and the vehicle behind; sorted
-        along the road, NaN where there are fewer vehicles
+    s, closing : (K, n-1) gaps between fronts [m] and speeds at which they close [m/s], in the order of the road; NaN
+        where there are fewer vehicles
+    pairs : (K, n-1, 2) the two vehicles, the lower number first
     """
     x = np.where(record.on_road, record.x, -np.inf)
     order = np.argsort(-x, axis=1, kind="stable")
@@ -66,7 +67,8 @@ def gaps(record: Record) -> tuple[NDArray[np.float64], NDArray[np.float64], NDAr
     there = np.isfinite(x[:, 1:])
     with np.errstate(invalid="ignore"):
         s = np.where(there, x[:, :-1] - x[:, 1:], np.nan)
-    return s, np.where(there, v[:, 1:] - v[:, :-1], np.nan), order[:, 1:]
+    pairs = np.sort(np.stack([order[:, :-1], order[:, 1:]], axis=2), axis=2)
+    return s, np.where(there, v[:, 1:] - v[:, :-1], np.nan), pairs
 
 
 def measure(record: Record, scenario: Scenario) -> Measures:
@@ -78,7 +80,7 @@ def measure(record: Record, scenario: Scenario) -> Measures:
     scenario : that was run
     """
     step = float(record.time[1] - record.time[0])
-    s, closing, who = gaps(record)
+    s, closing, pairs = gaps(record)
     free = s - LENGTH
     with np.errstate(invalid="ignore", divide="ignore"):
         ttc = np.where((closing > 0) & (free > 0), free / closing, np.inf)
@@ -92,11 +94,11 @@ def measure(record: Record, scenario: Scenario) -> Measures:
     away = np.flatnonzero((abs(record.v - scenario.v_star) > _SETTLED).any(axis=1))
     settled = 0.0 if not away.size else float(record.time[away[-1]] + step)
     never = scenario.wave or settled > record.time[-1]
-    first, last = 0, scenario.v.size - 1
+    leading, last = _rms(a[:, 0]), scenario.v.size - 1
     kilometres = 1e-3 * (record.x[-1] - record.x[0]).sum()
     return Measures(
-        collisions=len(set(who[free <= 0].tolist())),
-        gap_min=float(np.nanmin(free)),
+        collisions=len(set(map(tuple, pairs[free <= 0].tolist()))),
+        gap_min=max(float(np.nanmin(free)), 0.0),
         ttc_min=float(np.nanmin(ttc)),
         a_peak=float(abs(driven).max()),
         a_rms=_rms(driven),
@@ -105,7 +107,7 @@ def measure(record: Record, scenario: Scenario) -> Measures:
         capacity=3600.0 * float(record.v[late].mean()) / gap_mean,
         gap_mean=gap_mean,
         settling=np.nan if never else settled,
-        amplification=_rms(a[:, last]) / max(_rms(a[:, first]), 1e-9),
+        amplification=_rms(a[:, last]) / leading if leading > 0.01 else np.nan,
         co2=float(record.co2.sum() / kilometres),
         fuel=float(record.fuel.sum() / kilometres),
     )

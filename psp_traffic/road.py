@@ -70,8 +70,14 @@ def write_vehicles(folder: Path, scenario: Scenario, driver: Driver) -> Path:
     scenario : starts
     driver : who drives
     """
-    attributes = {"length": LENGTH, "emissionClass": EMISSIONS, "sigma": 0, "speedFactor": 1, "speedDev": 0}
-    attributes |= {"maxSpeed": 60.0} | driver.vehicle_type
+    attributes: dict[str, str | float] = {
+        "length": LENGTH,
+        "emissionClass": EMISSIONS,
+        "sigma": 0,
+        "speedFactor": 1,
+        "speedDev": 0,
+    }
+    attributes |= {"maxSpeed": 60.0} | dict(driver.vehicle_type)
     listed = " ".join(f'{name}="{value}"' for name, value in attributes.items())
     rows = ["<routes>", f'<vType id="car" {listed}/>']
     x = scenario.x_leader

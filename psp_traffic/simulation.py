@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import warnings
 from collections import deque
-from contextlib import contextmanager
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -149,7 +149,7 @@ class _Run:
         reports = {} if self.platoon is None else self.platoon.reports()
         if self.platoon is not None:
             self.platoon.close()
-        return Record(self.step * np.arange(count), x, v, road, co2, fuel, reports)
+        return Record(self.step * np.arange(count, dtype=np.float64), x, v, road, co2, fuel, reports)
 
     def _control(self, time: float, x: Vector, v: Vector, on_road: NDArray[np.bool_]) -> None:
         """Measure, ask the controller, and set the speeds that its accelerations lead to within a step."""
