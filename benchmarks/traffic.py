@@ -1,4 +1,4 @@
-"""What the controller costs in SUMO: `python benchmarks/traffic.py [PspController.fmu]` with 1, 10, 100 platoons of 10."""
+"""The cost of the controller in SUMO with 1, 10, 100 platoons of 10: `python benchmarks/traffic.py [CONTROLLER.fmu]`."""
 
 from __future__ import annotations
 

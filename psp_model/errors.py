@@ -79,6 +79,14 @@ SENTENCES = {
     "safe_action": "the safe action is taken at t = %.10g s: %s",
     "lemma1_controller": "T = %.10g s is not below T_max = %.10g s at t = %.10g s for the measured gaps and speeds "
     "(Lemma 1): choose T < %.10g s, or lemma1_policy 2",
+    "full": "a vehicle more than %d does not fit: remove one first, or build the FMU for more",
+    "place": "%s = %.10g must be a whole number from %d to %d: name a vehicle of the platoon",
+    "last": "the last vehicle cannot leave: a platoon has at least 1",
+    "insert_speed": "the joining vehicle's speed %.10g m/s must lie in [0, %.10g] m/s: let it join at another speed",
+    "insert_gap": "a vehicle cannot join %.10g m behind vehicle %d at %.10g m/s, where T = %.10g s would not be below "
+    "T_max (Lemma 1): a gap of %.10g m would do",
+    "insert_none": "a vehicle cannot join %.10g m behind vehicle %d at %.10g m/s, where T = %.10g s would not be below "
+    "T_max (Lemma 1): no gap would do there now, let it join at another place, speed or time",
     "short_periods": "more than max_short_periods = %d short sampling periods in one communication step, at "
     "t = %.10g s with T_max = %.10g s: raise max_short_periods, take shorter communication "
     "steps, or start further from L",
