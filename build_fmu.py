@@ -9,6 +9,8 @@ from pathlib import Path
 from fmu_src.python_runtime import NetworkFile, build_python_fmu, network_for
 from psp_model import ModelError
 
+COMPONENTS = ["platoon", "open-platoon", "controller", "plant"]
+
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:
     """The command line.
@@ -19,8 +21,9 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     """
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--vehicles", type=int, default=7, metavar="N", help="vehicles, at least 2 (7)")
-    text = "platoon: the closed loop; controller: for other vehicles; plant: ideal vehicles (platoon)"
-    parser.add_argument("--component", choices=["platoon", "controller", "plant"], default="platoon", help=text)
+    text = "platoon: the closed loop; open-platoon: the loop with vehicles that join and leave; controller: for "
+    text += "other vehicles; plant: ideal vehicles (platoon)"
+    parser.add_argument("--component", choices=COMPONENTS, default="platoon", help=text)
     parser.add_argument("--output", type=Path, default=Path("dist"), metavar="DIR", help="folder to write to (dist)")
     parser.add_argument("--runtime", choices=["python", "native"], default="python", help="of the FMU (python)")
     text = "native: libraries for this machine, or for Linux, Windows and macOS (host)"
@@ -51,7 +54,7 @@ def build(options: argparse.Namespace, network: NetworkFile | None) -> Path:
 
 
 def build_for_traffic(options: argparse.Namespace) -> int:
-    """Build the controller or the plant and say so.
+    """Build one of the components for traffic and say so.
 
     Parameters
     ----------
@@ -65,12 +68,12 @@ def build_for_traffic(options: argparse.Namespace) -> int:
     ------
     RuntimeError : where an option does not apply
     """
-    from fmu_src.traffic_runtime import build_controller_fmu, build_plant_fmu
+    from fmu_src.traffic_runtime import build_controller_fmu, build_open_platoon_fmu, build_plant_fmu
 
     if options.runtime == "native" or options.network:
         raise RuntimeError(f"--component {options.component} takes neither --runtime native nor --network")
-    make = build_controller_fmu if options.component == "controller" else build_plant_fmu
-    path = make(options.vehicles, options.output)
+    makers = {"open-platoon": build_open_platoon_fmu, "controller": build_controller_fmu, "plant": build_plant_fmu}
+    path = makers[options.component](options.vehicles, options.output)
     print(f"{path}: {options.vehicles} vehicles, {path.stat().st_size / 1024:.0f} KiB")
     return 0
 

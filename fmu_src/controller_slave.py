@@ -17,7 +17,7 @@ from psp_model.parameters import PotentialParameters
 from psp_model.platoon import TIME_TOLERANCE
 
 from .controller_variables import controller_table
-from .table_slave import TableSlave, logged
+from .table_slave import LONGEST, TableSlave, logged
 from .variables import Variable
 
 _SAVED = ("_values", "_start_time", "_time", "_initialising", "_sampled", "_set_at", "_fresh")
@@ -142,7 +142,7 @@ class PspController(TableSlave):
             self._controller = self._initialise()
         now, shape = self._decided(self._controller), self._decided(self._controller).shape
         certified = now.T_max > self._value("T")
-        reports = (shape.alpha, shape.r, shape.p, now.in_domain, now.T_max, certified, now.violations)
+        reports = (shape.alpha, shape.r, shape.p, now.in_domain, min(now.T_max, LONGEST), certified, now.violations)
         counts = (now.in_order, now.faults, now.choices)
         self._values[self._first_output :] = map(float, [*now.a, *now.saturated, *reports, *counts])
         self._stale = False

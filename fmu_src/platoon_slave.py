@@ -20,7 +20,7 @@ from psp_model.platoon import SampledPlatoon, locate
 from psp_model.state import PlatoonState, StartDomain
 
 from .slave_state import SlaveState, from_bytes, to_bytes
-from .table_slave import TableSlave, logged
+from .table_slave import LONGEST, TableSlave, logged
 from .variables import Variable, platoon_table
 
 
@@ -41,7 +41,9 @@ class PspPlatoon(TableSlave):
         return self._platoon is not None
 
     def _changed(self, inputs: bool) -> None:
-        self._platoon, self._stale = None, True
+        if not inputs:
+            self._platoon = None
+        self._stale = True
 
     # initialisation
 
@@ -87,14 +89,17 @@ class PspPlatoon(TableSlave):
             self._platoon = self._initialise()
         platoon = self._platoon
         seen = platoon.observe(*locate(self._time - self._start_time, platoon.sampling.T))
-        now, shape = platoon.now, platoon.shape
-        of_acceleration, of_gaps = seen.cost.tolist()
-        reports = (shape.alpha, shape.r, shape.p, self._in_domain, now.T_max)
-        lemma1 = (float(now.T_max > platoon.sampling.T), float(now.violations))
-        objective = (of_acceleration + of_gaps, of_acceleration, of_gaps)
         motion = [value for part in (seen.x, seen.v, seen.a, seen.s) for value in part.tolist()]
-        self._values[self._first_output :] = [*motion, *reports, *lemma1, *objective]
+        self._values[self._first_output :] = [*motion, *self._reported(platoon, seen.cost.tolist())]
         self._stale = False
+
+    def _reported(self, platoon: SampledPlatoon, cost: list[float]) -> list[float]:
+        """The outputs behind the motion, in the order of the table."""
+        now, shape = platoon.now, platoon.shape
+        of_acceleration, of_gaps = cost
+        reports = (shape.alpha, shape.r, shape.p, self._in_domain, min(now.T_max, LONGEST))
+        lemma1 = (float(now.T_max > platoon.sampling.T), float(now.violations))
+        return [*reports, *lemma1, of_acceleration + of_gaps, of_acceleration, of_gaps]
 
     def _lies_in_domain(self, start: PlatoonState) -> float:
         """1.0 if the start lies in the training domain of this FMU's network, else 0.0."""

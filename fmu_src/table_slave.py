@@ -23,6 +23,7 @@ from psp_model.platoon import Lemma1Policy, Sampling
 from .variables import Variable
 
 CONFIG = "platoon.json"  # what build_fmu.py decided: how many vehicles, which networks
+LONGEST = 1e9  # [s] T_max of a lone vehicle at rest with v_star is infinite, which importers do not like
 
 Result = TypeVar("Result")
 

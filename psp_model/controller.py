@@ -196,7 +196,9 @@ class SampledController:
         s, v, T = measured.s[: n - 1], measured.v[:n], settings.sampling.T
         shape, in_domain, choices = before.shape, before.in_domain, before.choices
         if n != before.n_active or measured.resolve > 0.5 >= before.resolve:
-            shape, in_domain = self._choose(s, v)
+            request, weights = settings.request, settings.weights
+            how = (request, self.networks, weights, settings.sampling, self.warn)
+            shape, in_domain = choose_for_any_number(s, v, settings.constants, *how)
             choices += 1
         constants = settings.constants
         if measured.v_desired is not None:
@@ -219,22 +221,6 @@ class SampledController:
             a, saturated, True, T_max, violations, before.faults, choices, n, in_domain, measured.resolve, shape
         )
 
-    def _choose(self, s: Vector, v: Vector) -> tuple[PotentialParameters, bool]:
-        """The potential for these vehicles, and whether it is a network's."""
-        settings, n = self.settings, v.size
-        request, fixed, network = settings.request, settings.request.fixed, self.networks.get(v.size)
-        if request.old:
-            return V_OLD, False
-        if n == 1 or request.source is ParameterSource.FIXED:  # a lone vehicle meets no potential
-            return fixed, False
-        if network is None:
-            reason = f"{n} vehicles, for which there is no network here"
-            self.warn(str(ModelError("fallback", reason, fixed.alpha, fixed.r, fixed.p)))
-            return fixed, False
-        start = PlatoonState(s, v, settings.constants)
-        shape = choose_potential(start, request, network, settings.weights, settings.sampling, self.warn)
-        return shape, outside_domain(start, network.domain, network.constants) is None
-
     def _safe_action(self, measured: Measurement) -> Command:
         """Everybody slows down by a_safe, but not below standstill where the speed is known."""
         settings, before = self.settings, self.now
@@ -251,3 +237,46 @@ class SampledController:
 def _outside(name: str, vehicle: int, value: float, unit: str, error: ModelError) -> ModelError:
     """What to say of a measurement: `error`, or that it is not a finite number."""
     return error if np.isfinite(value) else ModelError("finite", f"{name}[{vehicle}]", value, unit)
+
+
+def choose_for_any_number(
+    s: Vector,
+    v: Vector,
+    constants: PlatoonParameters,
+    request: Request,
+    networks: Mapping[int, ParameterNetwork],
+    weights: ObjectiveWeights,
+    sampling: Sampling,
+    warn: Callable[[str], None],
+) -> tuple[PotentialParameters, bool]:
+    """The potential for however many vehicles there are; where there is no network for them, the fixed triple (ours).
+
+    Parameters
+    ----------
+    s, v : (n-1,) gaps [m] and (n,) speeds [m/s], n >= 1
+    constants, request, weights, sampling : as `choose_potential` takes them
+    networks : by number of vehicles
+    warn : called with one sentence where the fallback is used
+
+    Returns
+    -------
+    the potential, and whether a network's training domain holds the vehicles and the network was asked
+
+    Raises
+    ------
+    ModelError : as `choose_potential` does
+    """
+    n, fixed, network = v.size, request.fixed, networks.get(v.size)
+    if request.old:
+        return V_OLD, False
+    if n == 1 or request.source is ParameterSource.FIXED:  # a lone vehicle meets no potential
+        require_feasible(fixed, constants)
+        return fixed, False
+    if network is None:
+        require_feasible(fixed, constants)
+        reason = f"{n} vehicles, for which there is no network here"
+        warn(str(ModelError("fallback", reason, fixed.alpha, fixed.r, fixed.p)))
+        return fixed, False
+    start = PlatoonState(s, v, constants)
+    shape = choose_potential(start, request, network, weights, sampling, warn)
+    return shape, outside_domain(start, network.domain, network.constants) is None
