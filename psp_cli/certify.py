@@ -21,7 +21,9 @@ def certify(
     network: Network = None,
     start_only: Annotated[bool, typer.Option("--start-only", help="Judge the start, not the whole run.")] = False,
 ) -> None:
-    """Say whether Lemma 1 certifies the sampling period, who limits it, when and by how much.
+    """Say whether Lemma 1 certifies T, and who limits it.
+
+    When, by how much, and the largest T that holds throughout.
 
     The exit code is 0 where the period is certified and 1 where it is not.
     """

@@ -24,9 +24,10 @@ def compare(
     network: Network = None,
     plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw gaps, accelerations and speeds.")] = None,
 ) -> None:
-    """Compare V_old, V_new fixed, V_new from the network, and from the network with rollouts.
+    """Compare four ways to choose a potential, from one start.
 
-    A scenario file that names runs has those compared instead.
+    V_old, V_new fixed, V_new from the network, and from the network with rollouts; a scenario file that names runs has
+    those compared instead.
     """
     from psp_view.cases import figures
 

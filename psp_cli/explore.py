@@ -15,7 +15,10 @@ def explore(
     port: Annotated[int, typer.Option(help="Port to serve the page on.", min=1, max=65535)] = 8080,
     show: Annotated[bool, typer.Option("--show/--no-show", help="Open a browser.")] = True,
 ) -> None:
-    """Serve a page with sliders for the potential and the start, on this machine only, until Ctrl-C."""
+    """Serve a page with sliders in front of the model.
+
+    On this machine only, until Ctrl-C.
+    """
     if not 2 <= vehicles <= 30:
         raise BadInput(f"{vehicles} vehicles do not fit on the page: choose 2 to 30")
     try:

@@ -29,7 +29,7 @@ def figures(
     duration: Duration = None,
     network: Network = None,
 ) -> None:
-    """Draw the paper's figures and some that it lacks, from runs of your own start."""
+    """Draw the paper's figures and some that it lacks."""
     wanted = gather(vehicles, scenario, assignments, seed, duration)
     for name in only or ():
         if name not in NAMES:

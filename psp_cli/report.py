@@ -28,7 +28,10 @@ def report(
         Path | None, typer.Option(metavar="FILE.mp4|gif", help="Also draw the platoon on the road as a film.")
     ] = None,
 ) -> None:
-    """Write a report on the runs of `psp compare`, or those a scenario names: one HTML file, no network needed."""
+    """Write runs into one HTML file that needs no network.
+
+    The runs are those of `psp compare`, or those that a scenario file names.
+    """
     from psp_view.report import write_report
 
     wanted = gather(vehicles, scenario, assignments, seed, duration)

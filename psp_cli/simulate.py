@@ -30,7 +30,7 @@ def simulate(
     plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw gaps, accelerations and speeds.")] = None,
     names: Annotated[bool, typer.Option("--list", help="List the parameters and stop.")] = False,
 ) -> None:
-    """Run an FMU, print what came out, and write or draw it where asked."""
+    """Run an FMU; print, write or draw what comes out."""
     from psp_view.results import run_from_result, write_csv
 
     from . import fmu_runs

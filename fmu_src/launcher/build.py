@@ -14,6 +14,9 @@ BINARIES = Path(__file__).parent / "binaries"
 PLATFORMS = ("linux64", "win64")  # those that pythonfmu has libraries for
 _FILES = (*FRONT, "backend_python.c", "python_library.c", "python_library.h", "library.c", "library.h")
 
+# What runs when the process ends lies in the launcher, which therefore stays in memory when a host unloads the FMU.
+_STAYS = ("-Wl,-z,nodelete",)
+
 
 def launcher(platform: str) -> bytes:
     """The launcher for one platform, compiled from its sources.
@@ -27,7 +30,7 @@ def launcher(platform: str) -> bytes:
     content of the shared library
     """
     files = {name: (SOURCES / name).read_bytes() for name in _FILES}
-    return compile_library(platform, "psp_launcher", files)
+    return compile_library(platform, "psp_launcher", files, _STAYS if platform == "linux64" else ())
 
 
 def path_of(platform: str) -> Path:

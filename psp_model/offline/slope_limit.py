@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -37,33 +37,6 @@ class SlopeLimit:
 
     constants: PlatoonParameters
 
-    @cached_property
-    def _axes(self) -> tuple[Array, Array]:
-        lowest, highest = self.constants.L + 0.02, self.constants.lam - HILL_WIDTH
-        r = np.linspace(lowest, highest, max(2, round((highest - lowest) / _R_STEP) + 1))
-        return np.linspace(np.log(ALPHA_MIN), np.log(ALPHA_MAX), _ALPHAS), r
-
-    @cached_property
-    def _table(self) -> Array:
-        """(alphas, r) largest p, NaN where not even p = 3 is feasible."""
-        return np.array([self._row(np.exp(log_alpha)) for log_alpha in self._axes[0]])
-
-    def _row(self, alpha: float) -> Array:
-        r = self._axes[1]
-        s = r + np.linspace(0.0, HILL_WIDTH, _POINTS)[:, None]
-
-        def within(p: Array) -> Array:
-            slope = potential_slope(s, _Shape(alpha, r, p), self.constants)
-            return np.abs(slope).max(axis=0) <= self.constants.z
-
-        low, high = np.full(r.shape, P_MIN), np.full(r.shape, P_MAX)
-        feasible = within(low)
-        for _ in range(_HALVINGS):
-            middle = 0.5 * (low + high)
-            fits = within(middle)
-            low, high = np.where(fits, middle, low), np.where(fits, high, middle)
-        return np.where(feasible, low, np.nan)
-
     def largest_p(self, alpha: Array, r: Array) -> Array:
         """The largest p that is surely feasible.
 
@@ -75,10 +48,9 @@ class SlopeLimit:
         -------
         array of that shape [1]; NaN where no p is feasible
         """
-        log_alphas, rs = self._axes
+        log_alphas, rs, t = _table(self.constants)
         i, a = _cell(np.log(alpha), log_alphas)
         j, b = _cell(r, rs)
-        t = self._table
         p = (1 - a) * ((1 - b) * t[i, j] + b * t[i, j + 1]) + a * ((1 - b) * t[i + 1, j] + b * t[i + 1, j + 1])
         return np.where(p - MARGIN >= P_MIN, p - MARGIN, np.nan)
 
@@ -100,6 +72,31 @@ class SlopeLimit:
         feasible = np.isfinite(limit)
         p = P_MIN + level * (np.where(feasible, limit, P_MIN) - P_MIN)
         return np.stack([alpha, r, p], axis=-1), feasible
+
+
+@lru_cache(maxsize=8)
+def _table(constants: PlatoonParameters) -> tuple[Array, Array, Array]:
+    """Axes log alpha and r, and the largest p at their points; NaN where not even p = 3 is feasible."""
+    lowest, highest = constants.L + 0.02, constants.lam - HILL_WIDTH
+    r = np.linspace(lowest, highest, max(2, round((highest - lowest) / _R_STEP) + 1))
+    log_alphas = np.linspace(np.log(ALPHA_MIN), np.log(ALPHA_MAX), _ALPHAS)
+    return log_alphas, r, np.array([_row(np.exp(log_alpha), r, constants) for log_alpha in log_alphas])
+
+
+def _row(alpha: float, r: Array, constants: PlatoonParameters) -> Array:
+    """The largest p along r at one alpha."""
+    s = r + np.linspace(0.0, HILL_WIDTH, _POINTS)[:, None]
+
+    def within(p: Array) -> Array:
+        return np.abs(potential_slope(s, _Shape(alpha, r, p), constants)).max(axis=0) <= constants.z
+
+    low, high = np.full(r.shape, P_MIN), np.full(r.shape, P_MAX)
+    feasible = within(low)
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        fits = within(middle)
+        low, high = np.where(fits, middle, low), np.where(fits, high, middle)
+    return np.where(feasible, low, np.nan)
 
 
 def _cell(x: Array, axis: Array) -> tuple[Array, Array]:

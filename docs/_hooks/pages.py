@@ -1,0 +1,77 @@
+"""What the pages take from the code: variables, error messages, help texts; and mathematics as MathML."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT))
+
+_CODE = re.compile(r"(^```.*?^```|`[^`\n]*`)", re.DOTALL | re.MULTILINE)
+_MATHS = re.compile(r"\$\$(.+?)\$\$|\\\((.+?)\\\)", re.DOTALL)
+_VEHICLES = 7
+
+
+def on_page_markdown(markdown: str, **_: Any) -> str:
+    """Fill in what stands in double braces, then set the mathematics."""
+    makers = {"variables": variables, "messages": messages, "commands": commands}
+    for name, make in makers.items():
+        if f"{{{{ {name} }}}}" in markdown:
+            markdown = markdown.replace(f"{{{{ {name} }}}}", make())
+    markdown = re.sub(r"\{\{ file (\S+) \}\}", lambda found: (ROOT / found[1]).read_text(encoding="utf-8"), markdown)
+    parts = _CODE.split(markdown)
+    return "".join(part if index % 2 else _MATHS.sub(_mathml, part) for index, part in enumerate(parts))
+
+
+def _mathml(found: re.Match[str]) -> str:
+    from latex2mathml.converter import convert
+
+    display = "block" if found[1] else "inline"
+    return str(convert((found[1] or found[2]).strip(), display=display))
+
+
+def variables() -> str:
+    """The table of FMI variables, one row per name; numbered ones as name[i]."""
+    from fmu_src.variables import platoon_table
+
+    rows: dict[str, list[Any]] = {}
+    for row in platoon_table(_VEHICLES):
+        rows.setdefault(re.sub(r"\[\d+\]", "[i]", row.name), []).append(row)
+    lines = ["| name | causality | type | unit | start | limits | meaning |", "|---|---|---|---|---|---|---|"]
+    for name, same in rows.items():
+        first = same[0]
+        starts = "" if first.start is None else ", ".join(dict.fromkeys(f"{row.start:g}" for row in same))
+        limits = " to ".join("" if bound is None else f"{bound:g}" for bound in (first.minimum, first.maximum))
+        meaning = re.sub(r"vehicle \d+", "vehicle i", first.description) if "[i]" in name else first.description
+        meaning = meaning.replace("vehicle i and vehicle i", "vehicle i - 1 and vehicle i")
+        shown = [f"`{name}`", first.causality, first.fmi_type, first.unit, starts, limits.strip(" "), meaning]
+        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in shown) + " |")
+    return "\n".join(lines)
+
+
+def messages() -> str:
+    """Every sentence of the model, with dots where values stand."""
+    from psp_model.errors import SENTENCES
+
+    lines = []
+    for key, sentence in SENTENCES.items():
+        problem, _, remedy = re.sub(r"%(\.10g|d|s)", "…", sentence).replace("%%", "%").rpartition(": ")
+        lines.append(f"### {problem} {{ #{key} }}\n\n**What to do:** {remedy}.\n")
+    return "\n".join(lines)
+
+
+def commands() -> str:
+    """The help text of every command."""
+    from typer.main import get_command
+    from typer.testing import CliRunner
+
+    from psp_cli.main import app
+
+    lines = []
+    for name in get_command(app).commands:
+        text = CliRunner().invoke(app, [name, "--help"], prog_name="psp", terminal_width=100).stdout
+        lines.append(f"## psp {name}\n\n```text\n{text.strip()}\n```\n")
+    return "\n".join(lines)

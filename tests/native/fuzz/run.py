@@ -1,0 +1,77 @@
+"""Fuzzes the native FMU: python tests/native/fuzz/run.py SECONDS [JOBS]   (needs clang with libFuzzer)
+
+Ten minutes on two cores: python tests/native/fuzz/run.py 600 2.  Inputs that fail lie in the folder named at the end.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+from shutil import which
+from tempfile import mkdtemp
+
+from fmu_src.native.build import native_sources
+from fmu_src.native.compile import FMI_HEADERS
+from fmu_src.python_runtime import network_for
+from fmu_src.variables import platoon_table
+
+SANITIZERS = "-fsanitize=fuzzer,address,undefined,float-cast-overflow"
+
+
+def compiler() -> str | None:
+    """A clang that brings libFuzzer, None if there is none."""
+    return next((path for name in ("clang", "clang-16", "clang-15", "clang-14") if (path := which(name))), None)
+
+
+def build(folder: Path, vehicles: int = 7) -> Path:
+    """The fuzzer for n vehicles."""
+    sources = native_sources(platoon_table(vehicles), vehicles, "{fuzz}", network_for(vehicles))
+    for name, content in sources.items():
+        (folder / name).write_bytes(content)
+    fuzzer = folder / "fuzz_fmi"
+    command = [
+        str(compiler()),
+        "-std=c11",
+        "-O1",
+        "-g",
+        SANITIZERS,
+        "-fno-sanitize-recover=all",
+        "-I",
+        str(FMI_HEADERS),
+    ]
+    command += ["-I", str(FMI_HEADERS), "-I", str(folder), "-o", str(fuzzer), str(Path(__file__).parent / "fuzz_fmi.c")]
+    command += [str(folder / name) for name in sources if name.endswith(".c")] + ["-lm"]
+    subprocess.run(command, check=True)
+    return fuzzer
+
+
+def fuzz(seconds: int, jobs: int = 1) -> subprocess.CompletedProcess[str]:
+    """Fuzz for some time; the exit status is 0 if nothing was found."""
+    folder = Path(mkdtemp(prefix="psp_fuzz_"))
+    (folder / "corpus").mkdir()
+    options = [
+        f"-max_total_time={seconds}",
+        "-max_len=600",
+        "-timeout=20",
+        "-rss_limit_mb=2048",
+        "-print_final_stats=1",
+    ]
+    options += [f"-jobs={jobs}", f"-workers={jobs}"] if jobs > 1 else []
+    command = [str(build(folder)), *options, str(folder / "corpus")]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+
+
+def main() -> int:
+    """Fuzz as the command line says."""
+    if compiler() is None:
+        print("no clang on this machine: apt install clang", file=sys.stderr)
+        return 2
+    ran = fuzz(int(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 1)
+    print(ran.stderr[-6000:])
+    print(ran.args[0], "exit status", ran.returncode)
+    return ran.returncode
+
+
+if __name__ == "__main__":
+    sys.exit(main())
