@@ -124,12 +124,12 @@ class PspOpenPlatoon(PspPlatoon):
     # the whole state
 
     @logged
-    def _get_fmu_state(self) -> tuple[SlaveState, dict[str, Any]]:
-        of_platoon: Any = super()._get_fmu_state()
+    def _get_fmu_state(self) -> Any:
+        of_platoon = super()._get_fmu_state()
         return of_platoon, {name: copy(getattr(self, name)) for name in _COUNTED}
 
     @logged
-    def _set_fmu_state(self, state: tuple[SlaveState, dict[str, Any]]) -> None:
+    def _set_fmu_state(self, state: Any) -> None:
         super()._set_fmu_state(state[0])
         for name, value in state[1].items():
             setattr(self, name, tuple(value) if name == "_vehicles" else value)

@@ -111,7 +111,7 @@ class PspPlatoon(TableSlave):
     # the whole state
 
     @logged
-    def _get_fmu_state(self) -> SlaveState:
+    def _get_fmu_state(self) -> Any:
         return SlaveState(
             values=tuple(self._values[: self._first_output]),
             start_time=self._start_time,
@@ -122,7 +122,7 @@ class PspPlatoon(TableSlave):
         )
 
     @logged
-    def _set_fmu_state(self, state: SlaveState) -> None:
+    def _set_fmu_state(self, state: Any) -> None:
         self._values[: self._first_output] = state.values
         self._start_time, self._time, self._in_domain = state.start_time, state.time, state.in_domain
         self._initialising, self._stale = state.initialising, True
@@ -130,5 +130,5 @@ class PspPlatoon(TableSlave):
         if self._platoon is not None:
             self._platoon.warn = self._warn
 
-    _fmu_state_to_bytes = staticmethod(to_bytes)
-    _fmu_state_from_bytes = staticmethod(from_bytes)
+    _fmu_state_to_bytes: Any = staticmethod(to_bytes)
+    _fmu_state_from_bytes: Any = staticmethod(from_bytes)

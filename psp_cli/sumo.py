@@ -11,6 +11,9 @@ import typer
 from .bad_input import BadInput
 
 
+_STARTS = 5  # of a sweep
+
+
 class Situation(StrEnum):
     """Which traffic situation."""
 
@@ -25,7 +28,9 @@ def sumo(
     fmu: Annotated[Path | None, typer.Option(metavar="FILE.fmu", help="PspController.fmu; built if not given.")] = None,
     seed: Annotated[int, typer.Option(help="Of the starts and of SUMO.", min=0)] = 1,
     duration: Annotated[float | None, typer.Option(help="Of every run [s].", min=15.0)] = None,
-    sweep: Annotated[bool, typer.Option("--sweep", help="Sweep delay and lag on the highway instead.")] = False,
+    sweep: Annotated[
+        bool, typer.Option("--sweep", help="Sweep delay and lag on the highway instead, from 5 starts.")
+    ] = False,
     output: Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE.md", help="Write the tables.")] = None,
 ) -> None:
     """Compare V_new and V_old with SUMO's IDM, ACC and CACC: collisions, comfort, capacity, emissions."""
@@ -57,7 +62,8 @@ def _tables(situation: Situation, fmu: Path, seed: int, duration: float | None, 
 
     found = compare.scenarios(seed, duration)
     if sweep:
-        return compare.tolerance_table([*compare.sweep(fmu, found[0], compare.DELAYS, compare.LAGS)])
+        situations = [compare.scenarios(seed + k, duration)[0] for k in range(_STARTS)]
+        return compare.tolerance_table([*compare.sweep(fmu, situations, compare.DELAYS, compare.LAGS)])
     wanted = [one for one in found if situation in (Situation.ALL, one.name)]
     parts = []
     for one in wanted:
