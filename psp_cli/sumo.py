@@ -10,7 +10,6 @@ import typer
 
 from .bad_input import BadInput
 
-
 _STARTS = 5  # of a sweep
 
 
