@@ -11,7 +11,7 @@ from .feasible import project, require_feasible
 from .network import ParameterNetwork
 from .parameters import BEST_FIXED, V_OLD, ObjectiveWeights, PlatoonParameters, PotentialParameters
 from .platoon import Sampling
-from .rollout import best_by_rollout
+from .rollout import best_by_rollout, share_rollouts
 from .state import PlatoonState, StartDomain
 
 
@@ -111,5 +111,6 @@ def choose_potential(
         return fixed
     if request.source is ParameterSource.NETWORK:
         return project(network.evaluate(start.s, start.v), start.constants)
-    candidates = network.candidates(start.s, start.v, request.rollouts)
-    return best_by_rollout(start, candidates, weights, sampling, request.horizon)
+    count, rounds = share_rollouts(request.rollouts)
+    candidates = network.candidates(start.s, start.v, count)
+    return best_by_rollout(start, candidates, weights, sampling, request.horizon, rounds)

@@ -64,16 +64,22 @@ def _rows(table: Any) -> str:
     rows: dict[str, list[Any]] = {}
     for row in table:
         rows.setdefault(re.sub(r"\[\d+\]", "[i]", row.name), []).append(row)
-    lines = ["| name | causality | type | unit | start | limits | meaning |", "|---|---|---|---|---|---|---|"]
+    lines = ["| name | what | unit | start | limits | meaning |", "|---|---|---|---|---|---|"]
     for name, same in rows.items():
         first = same[0]
         starts = "" if first.start is None else ", ".join(dict.fromkeys(f"{row.start:g}" for row in same))
-        limits = " to ".join("" if bound is None else f"{bound:g}" for bound in (first.minimum, first.maximum))
         meaning = re.sub(r"vehicle \d+", "vehicle i", first.description) if "[i]" in name else first.description
         meaning = meaning.replace("vehicle i and vehicle i", "vehicle i - 1 and vehicle i")
-        shown = [f"`{name}`", first.causality, first.fmi_type, first.unit, starts, limits.strip(" "), meaning]
+        what = first.causality + (", Integer" if first.integer else "")
+        shown = [f"`{name}`", what, first.unit, starts, _limits(first.minimum, first.maximum), meaning]
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in shown) + " |")
     return "\n".join(lines)
+
+
+def _limits(low: float | None, high: float | None) -> str:
+    if low is None or high is None:
+        return f"≥ {low:g}" if low is not None else f"≤ {high:g}" if high is not None else ""
+    return f"{low:g} to {high:g}"
 
 
 def messages() -> str:

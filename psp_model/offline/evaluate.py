@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..feasible import project, slope_within_limit
+from ..feasible import project
 from ..network import ParameterNetwork
-from ..parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN, PlatoonParameters, PotentialParameters
+from ..parameters import PlatoonParameters, PotentialParameters
+from ..rollout import CROSS, STEP_P, STEP_R, share_rollouts
 from .engine import Engine
 from .errors import OfflineError
 from .parquet import Dataset
@@ -53,7 +54,7 @@ class Score:
     starts : how many it was judged on
     mean, median, p95, worst : regret J/J* - 1
     beats_fixed : share of starts with a lower J than the best fixed triple
-    projected : share of answers that had to be projected into the feasible set
+    projected : share of answers that the projection into the feasible set (or a refinement) moved
     out_of_domain : share of starts outside the network's domain
     mse : mean squared error against the optima, of alpha, r, p scaled to [0, 1] by their bounds
     smallest_T_max : over all starts and sampling instants [s]
@@ -156,22 +157,35 @@ class Judge:
         self._note_domain(name, network)
         self.add(name, np.array([_row(network.evaluate(s, v)) for s, v in self._split()]))
 
-    def rollout(self, name: str, network: ParameterNetwork, count: int) -> None:
-        """Judge the best of a network's first candidates, as `parameter_source` 3 takes it."""
+    def rollout(self, name: str, network: ParameterNetwork, rollouts: int) -> None:
+        """Judge the best of a network's candidates with refinement, as `parameter_source` 3 takes it."""
         self._note_domain(name, network)
-        T, constants = self.data.problem.T, self.data.problem.constants
-        lists = [[_row(shape) for shape in network.candidates(s, v, count)] for s, v in self._split()]
-        sizes = np.array([len(found) for found in lists])
-        raw = np.concatenate([np.array(found) for found in lists])
-        distinct, inverse = np.unique(raw, axis=0, return_inverse=True)
-        triples = projected(distinct, constants)[inverse.ravel()]
-        J, T_max = self.engine.costs(self.data.starts, np.repeat(np.arange(len(sizes)), sizes), triples)
-        certified = np.where(T_max > T, J, np.inf)
-        ends = np.cumsum(sizes)
-        first = [begin + int(np.argmin(certified[begin:end])) for begin, end in zip(ends - sizes, ends, strict=True)]
-        self.evaluation.answers.append(
-            Answers(name, raw[first], triples[first], J[first], T_max[first], np.arange(len(sizes)))
-        )
+        count, rounds = share_rollouts(rollouts)
+        raw = np.array([[_row(shape) for shape in network.candidates(s, v, count)] for s, v in self._split()])
+        triples, J, T_max = self._rolled_out(raw)
+        best = _first_least(J)
+        for number in range(rounds):
+            centre = np.take_along_axis(triples, best[:, None, None], axis=1)
+            steps = np.array([[0.0, STEP_R * r, STEP_P * p] for r, p in CROSS]) * 0.5**number
+            around = self._rolled_out(centre + steps)
+            triples, J, T_max = (
+                np.concatenate([np.take_along_axis(old, best.reshape(-1, *[1] * (old.ndim - 1)), axis=1), new], axis=1)
+                for old, new in zip((triples, J, T_max), around, strict=True)
+            )
+            best = _first_least(J)
+        rows = np.arange(len(raw))
+        answers = Answers(name, raw[:, 0], triples[rows, best], J[rows, best], T_max[rows, best], rows)
+        self.evaluation.answers.append(answers)
+
+    def _rolled_out(self, raw: Array) -> tuple[Array, Array, Array]:
+        """Projected triples (B, K, 3) with their J, infinite where not certified, and smallest T_max (B, K)."""
+        distinct, inverse = np.unique(raw.reshape(-1, 3), axis=0, return_inverse=True)
+        triples = projected(distinct, self.data.problem.constants)[inverse.ravel()]
+        which = np.repeat(np.arange(len(raw)), raw.shape[1])
+        J, T_max = self.engine.costs(self.data.starts, which, triples)
+        certified = np.where(T_max > self.data.problem.T, J, np.inf)
+        shape = raw.shape[:2]
+        return triples.reshape(raw.shape), certified.reshape(shape), T_max.reshape(shape)
 
     def _split(self) -> list[tuple[Array, Array]]:
         gaps = self.data.problem.vehicles - 1
@@ -184,15 +198,13 @@ class Judge:
         self.evaluation.out_of_domain[name] = float(1.0 - inside.mean())
 
 
+def _first_least(J: Array) -> Array:
+    """(B,) column of the least of each row, the first of equals."""
+    return np.asarray(J.argmin(axis=1))
+
+
 def _row(shape: PotentialParameters) -> tuple[float, float, float]:
     return shape.alpha, shape.r, shape.p
-
-
-def within_bounds(triple: Array, constants: PlatoonParameters) -> bool:
-    """Whether a triple lies in the feasible set."""
-    alpha, r, p = map(float, triple)
-    inside = ALPHA_MIN <= alpha <= ALPHA_MAX and P_MIN <= p <= P_MAX and constants.L < r <= constants.lam - HILL_WIDTH
-    return inside and slope_within_limit(PotentialParameters(alpha, r, p), constants)
 
 
 def as_markdown(scores: Sequence[Score]) -> str:

@@ -19,7 +19,7 @@ from .slope_limit import SlopeLimit
 Array = NDArray[Any]
 
 TEMPERATURE = 0.004  # regret at which a triple is worth 1/e of the best one
-SCHEDULE = Schedule(1e-3, True, 60, 128, 60)
+SCHEDULE = Schedule(1e-3, True, 40, 256, 40)
 
 
 def choose_dictionary(regret: Array, size: int) -> Array:

@@ -48,7 +48,7 @@ RECIPES = {
     # the paper's, section IV; batch and optimiser (Adam) are ours, as it gives none
     "mse": Recipe("mse", (32, 16), Schedule(35e-6, False, 2000, 32, 50, 1e-3)),
     # ours
-    "cost": Recipe("cost", (32, 16), Schedule(3e-3, True, 300, 128, 300), blur=1.0),
+    "cost": Recipe("cost", (32, 16), Schedule(3e-3, True, 100, 128, 100), blur=0.6),
 }
 
 

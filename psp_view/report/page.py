@@ -41,15 +41,14 @@ def report_html(
     -------
     the page
     """
-    assets = files(__package__) / "assets"
     first = cases[0]
     n, constants = first.run.v.shape[1], first.setup.start.constants
     duration = max(float(case.run.time[-1]) for case in cases)
-    page = Template((assets / "page.html").read_text(encoding="utf-8"))
+    page = Template(read("page.html"))
     return page.substitute(
         title=escape(title),
         subtitle=f"{n} vehicles, {duration:g} s, {len(cases)} runs",
-        css="\n".join((assets / name).read_text(encoding="utf-8") for name in _STYLES),
+        css="\n".join(read(name) for name in _STYLES),
         summary=tables.summary(cases),
         warnings=tables.warnings(cases),
         v_star=f"{constants.v_star:g}",
@@ -63,8 +62,18 @@ def report_html(
         command=escape(command),
         provenance=tables.provenance(versions() | network_hash(network) | hashes(cases)),
         data=_packed(json.dumps(payload(cases), separators=(",", ":"))),
-        js="\n".join((assets / name).read_text(encoding="utf-8") for name in _SCRIPTS),
+        js=f"/*\n{read('uplot.LICENSE')}*/\n" + "\n".join(read(name) for name in _SCRIPTS),
     )
+
+
+def read(name: str) -> str:
+    """A part of the page.
+
+    Parameters
+    ----------
+    name : of the file in assets/
+    """
+    return (files(__package__) / "assets" / name).read_text(encoding="utf-8")
 
 
 def _packed(text: str) -> str:

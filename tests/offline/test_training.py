@@ -11,6 +11,7 @@ import pytest
 from small_problems import PLAN, TINY, draw
 
 from psp_model import PlatoonState, PotentialParameters, StartDomain, simulate
+from psp_model.choose import ParameterSource, Request, choose_potential
 from psp_model.network import ParameterNetwork
 from psp_model.offline.cost_table import TableCost, regret_tables
 from psp_model.offline.dataset import make_dataset
@@ -23,7 +24,6 @@ from psp_model.offline.ranking import choose_dictionary, train_ranking
 from psp_model.offline.recipes import RECIPES, Trained, split, train
 from psp_model.offline.search import EFFORTS
 from psp_model.offline.slope_limit import SlopeLimit
-from psp_model.rollout import best_by_rollout
 from psp_model.parameters import ObjectiveWeights
 from psp_model.platoon import Sampling
 
@@ -141,14 +141,13 @@ def test_evaluation_agrees_with_runs_of_the_model(data: Dataset, tmp_path: Path)
     write_network(path, parameters.layers, origin, ranking.layers, dictionary)
     network, judge = ParameterNetwork(path), Judge(data.first(4))
     judge.network("network", network)
-    judge.rollout("rollout", network, 6)
+    judge.rollout("rollout", network, 16)
     fixed, alone, rollout = judge.evaluation.answers
     assert (alone.J >= rollout.J).all()
     for k in range(4):
         start = PlatoonState(data.starts[k, :2], data.starts[k, 2:])
-        chosen = best_by_rollout(
-            start, network.candidates(start.s, start.v, 6), ObjectiveWeights(), Sampling(), data.problem.horizon
-        )
+        request = Request(source=ParameterSource.ROLLOUT, rollouts=16, horizon=data.problem.horizon)
+        chosen = choose_potential(start, request, network, ObjectiveWeights(), Sampling(), lambda sentence: None)
         np.testing.assert_allclose([chosen.alpha, chosen.r, chosen.p], rollout.triples[k], rtol=1e-12)
         run = simulate(start, PotentialParameters(*map(float, alone.triples[k])), duration=data.problem.horizon)
         assert run.J == pytest.approx(alone.J[k], abs=1e-9)

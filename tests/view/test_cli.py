@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -38,6 +39,32 @@ def test_help_names_every_command_and_imports_nothing_heavy():
     for name in ("build", "simulate", "compare", "certify", "figures", "report", "explore"):
         assert any(line.startswith(f"  {name} ") for line in text)
     assert not HEAVY & set(modules.split())
+
+
+def test_the_default_install_pulls_nothing_heavy():
+    """All that pip installs for psp-platoon without extras, by the metadata of what is installed here."""
+    from importlib.metadata import PackageNotFoundError, requires
+
+    from packaging.requirements import Requirement
+
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    found: set[str] = set()
+    left = [Requirement(line) for line in project["dependencies"]]
+    while left:
+        one = left.pop()
+        wanted = one.extras or {""}
+        if one.name.lower() in found or (one.marker and not any(one.marker.evaluate({"extra": e}) for e in wanted)):
+            continue
+        found.add(one.name.lower())
+        try:
+            lines = requires(one.name) or []
+        except PackageNotFoundError:
+            continue
+        inner = [Requirement(line) for line in lines]
+        left += [r for r in inner if not r.marker or any(r.marker.evaluate({"extra": e}) for e in wanted)]
+    assert {"numpy", "onnxruntime", "pythonfmu", "fmpy"} <= found
+    banned = {"jax", "jaxlib", "casadi", "ziglang", "eclipse-sumo", "libsumo", "traci", "selenium", "playwright"}
+    assert not found & (banned | {"matplotlib", "nicegui", "mkdocs"})
 
 
 @pytest.mark.parametrize("command", ["build", "simulate", "compare", "certify", "figures", "report", "explore"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import gzip
+import hashlib
 import json
 import re
 
@@ -13,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
+from psp_cli.options import network_file
 from psp_cli.settings import setup
 from psp_view.cases import comparison, figures, run_case
 from psp_view.film import FilmError, bodies, frame_times, write_film, writer_for
@@ -42,6 +44,20 @@ def test_nothing_is_fetched_from_anywhere(page):
     assert not re.search(r"""(?:src|href)\s*=\s*["'](?!data:)""", page)
     assert not re.search(r"@import|url\(\s*['\"]?(?!data:)", page)
     assert '<link rel="icon" href="data:,">' in page
+
+
+def test_a_report_of_four_runs_is_small():
+    """4 runs, 7 vehicles, 20 s: far below 5 MB; the network of the repository makes it four."""
+    network = network_file(7, None)
+    four = comparison(setup({}, 7), network)
+    assert len(four) == 4
+    text = report_html([run_case(name, each, network) for name, each in four.items()], COMMAND, network)
+    assert len(text.encode()) < 1e6
+    assert hashlib.sha256(network.path.read_bytes()).hexdigest() in text
+
+
+def test_the_licence_of_what_is_embedded_is_embedded(page):
+    assert "Copyright (c) 2022 Leon Sorokin" in page
 
 
 def test_the_same_runs_give_the_same_bytes(cases, page):

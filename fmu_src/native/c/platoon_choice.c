@@ -146,21 +146,44 @@ static double rollout_cost(Platoon *trial, const Platoon *platoon, const Shape *
     return trial->now.cost_acceleration + trial->now.cost_gaps;
 }
 
-/* All candidates projected; the one with the least J, the first of equals, and the first if none is certified. */
+/* The best certified triple so far, and its J. */
+typedef struct {
+    Shape shape;
+    double J;
+} Best;
+
+/* Projects `tried` and makes it the best if it is certified and its J is smaller. */
+static bool try_rollout(Platoon *platoon, Front *front, const Request *request, Shape *tried, Platoon *trial, Best *best)
+{
+    if (!project(front, tried, &platoon->constants)) return false;
+    const double J = rollout_cost(trial, platoon, tried, request->horizon);
+    if (J < best->J) *best = (Best){*tried, J};
+    return true;
+}
+
+/* psp_model/rollout.py: the least J of the candidates, the first of equals, the first if none is certified; then
+ * rounds of refinement by r + h, r - h, p + k, p - k around the best, with steps that are halved. */
 static bool best_by_rollout(Platoon *platoon, Front *front, const Request *request, Shape *candidates, Platoon *trial)
 {
-    const int count = network_candidates(request->s, request->v, request->rollouts, candidates);
-    double least = INFINITY;
-    int best = 0;
+    const int left = request->rollouts / 8 - 1, rounds = left < 0 ? 0 : left > 3 ? 3 : left;
+    const int count = network_candidates(request->s, request->v, request->rollouts - 4 * rounds, candidates);
+    Best best = {candidates[0], INFINITY};
     for (int k = 0; k < count; k++) {
-        if (!project(front, &candidates[k], &platoon->constants)) return false;
-        const double J = rollout_cost(trial, platoon, &candidates[k], request->horizon);
-        if (J < least) {
-            least = J;
-            best = k;
-        }
+        if (!try_rollout(platoon, front, request, &candidates[k], trial, &best)) return false;
+        if (k == 0) best.shape = candidates[0];
     }
-    platoon->shape = candidates[best];
+    for (int round = 0; round < rounds; round++) {
+        const Shape centre = best.shape;
+        const double h = ldexp(0.1, -round), k = ldexp(0.15, -round);
+        Shape around[4] = {centre, centre, centre, centre};
+        around[0].r += h;
+        around[1].r -= h;
+        around[2].p += k;
+        around[3].p -= k;
+        for (int i = 0; i < 4; i++)
+            if (!try_rollout(platoon, front, request, &around[i], trial, &best)) return false;
+    }
+    platoon->shape = best.shape;
     return true;
 }
 
