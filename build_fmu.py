@@ -9,7 +9,7 @@ from pathlib import Path
 from fmu_src.python_runtime import NetworkFile, build_python_fmu, network_for
 from psp_model import ModelError
 
-COMPONENTS = ["platoon", "open-platoon", "controller", "plant"]
+COMPONENTS = ["platoon", "open-platoon", "controller", "plant", "leader"]
 
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:
@@ -22,7 +22,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--vehicles", type=int, default=7, metavar="N", help="vehicles, at least 2 (7)")
     text = "platoon: the closed loop; open-platoon: the loop with vehicles that join and leave; controller: for "
-    text += "other vehicles; plant: ideal vehicles (platoon)"
+    text += "other vehicles; plant: ideal vehicles; leader: a speed profile (platoon)"
     parser.add_argument("--component", choices=COMPONENTS, default="platoon", help=text)
     parser.add_argument("--output", type=Path, default=Path("dist"), metavar="DIR", help="folder to write to (dist)")
     parser.add_argument("--runtime", choices=["python", "native"], default="python", help="of the FMU (python)")
@@ -68,11 +68,21 @@ def build_for_traffic(options: argparse.Namespace) -> int:
     ------
     RuntimeError : where an option does not apply
     """
-    from fmu_src.traffic_runtime import build_controller_fmu, build_open_platoon_fmu, build_plant_fmu
+    from fmu_src.traffic_runtime import (
+        build_controller_fmu,
+        build_leader_fmu,
+        build_open_platoon_fmu,
+        build_plant_fmu,
+    )
 
     if options.runtime == "native" or options.network:
         raise RuntimeError(f"--component {options.component} takes neither --runtime native nor --network")
-    makers = {"open-platoon": build_open_platoon_fmu, "controller": build_controller_fmu, "plant": build_plant_fmu}
+    makers = {
+        "open-platoon": build_open_platoon_fmu,
+        "controller": build_controller_fmu,
+        "plant": build_plant_fmu,
+        "leader": build_leader_fmu,
+    }
     path = makers[options.component](options.vehicles, options.output)
     print(f"{path}: {options.vehicles} vehicles, {path.stat().st_size / 1024:.0f} KiB")
     return 0

@@ -1,4 +1,4 @@
-"""The tables of FMI variables of `PspController` and of `PspPlant`, the vehicles to try it on."""
+"""The tables of FMI variables of `PspController`, of `PspPlant`, vehicles to try it on, and of `PspLeader`."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from psp_model.controller import NO_LIMIT, ControllerSettings
+from psp_model.leader import Wave
 
 from .variables import Variable, platoon_table
 
@@ -120,3 +121,22 @@ def plant_table(vehicles: int) -> tuple[Variable, ...]:
         if name[:2] in ("x[", "v[", "s[")
     ]
     return (*parameters, *accelerations, *motion)
+
+
+def leader_table() -> tuple[Variable, ...]:
+    """The variables of `PspLeader`: a leader's speed over time.
+
+    Returns
+    -------
+    tuple of Variable (ours)
+    """
+    wave = Wave()
+    return (
+        Variable("v_high", "Speed before and at the top of the wave", "m/s", wave.high, 0, nominal=30),
+        Variable(
+            "v_low", "Speed at the bottom of the wave, at most v_high; v_high for none", "m/s", wave.low, 0, None, 30
+        ),
+        Variable("begin", "When the first braking begins", "s", wave.begin, nominal=10),
+        Variable("period", "Period of the wave, above 0", "s", wave.period, 0, nominal=40),
+        Variable("v", "Speed of the leader", "m/s", nominal=30, continuous=True),
+    )

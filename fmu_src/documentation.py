@@ -36,6 +36,7 @@ then (most masters) has them one communication step later. Instants inside a com
 beginning: communicate at every sampling instant. Between instants the commands are held.</p>
 <p>With the safe action (<code>bad_input</code> = 2) every active vehicle slows down with <code>a_safe</code> until the
 inputs are in order again; Lemma 1 then says nothing.</p>""",
+    "PspLeader": """<p>The speed is a function of time: it does not depend on the communication step.</p>""",
     "PspPlant": """<p>The acceleration known at the end of a period of length <code>T</code> counts for all of it: a
 command that a master passes on late, but within the period, does what it would have done without the delay. Outputs
 show the motion at the beginning of the current period. With masters that pass values on between steps only, use a

@@ -86,8 +86,10 @@ def loop_connections(vehicles: int) -> list[tuple[Connector, Connector]]:
     return forth + [(("controller", f"a[{i}]"), ("plant", f"a[{i}]")) for i in range(1, vehicles + 1)]
 
 
-def write_loop(path: Path, plant: Path, controller: Path, vehicles: int, values: Mapping[str, float]) -> Path:
-    """A platoon of a plant and a controller FMU; run it with a communication step of T/4.
+def write_loop(
+    path: Path, plant: Path, controller: Path, vehicles: int, values: Mapping[str, float], leader: Path | None = None
+) -> Path:
+    """A platoon of a plant, a controller and perhaps a leader FMU; run it with a communication step of T/4.
 
     Masters that pass values on between steps only hand the command over one step late: the controller samples in the
     middle of the plant's period what held at its beginning, and the plant counts what it gets for the whole period.
@@ -98,6 +100,7 @@ def write_loop(path: Path, plant: Path, controller: Path, vehicles: int, values:
     plant, controller : the FMUs
     vehicles : n
     values : start values of the closed loop, by the names of `PspPlatoon`; each component takes its own
+    leader : FMU whose speed is the desired speed of all
 
     Returns
     -------
@@ -107,4 +110,8 @@ def write_loop(path: Path, plant: Path, controller: Path, vehicles: int, values:
     of_plant = {name: value for name, value in values.items() if name in ("T", "x_start") or "_start[" in name}
     of_controller = {name: value for name, value in values.items() if name == "T" or name not in of_plant}
     settings = {"plant": of_plant, "controller": of_controller | {"phase": 0.5 * T}}
-    return write_ssp(path, {"plant": plant, "controller": controller}, loop_connections(vehicles), settings)
+    fmus, connections = {"plant": plant, "controller": controller}, loop_connections(vehicles)
+    if leader is not None:
+        fmus |= {"leader": leader}
+        connections.append((("leader", "v"), ("controller", "v_desired")))
+    return write_ssp(path, fmus, connections, settings)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from .controller_variables import controller_table, plant_table
+from .controller_variables import controller_table, leader_table, plant_table
 from .open_variables import open_table
 from .python_runtime import NEEDS, NetworkFile, network_for, pack_slave
 
@@ -88,3 +88,19 @@ def build_plant_fmu(vehicles: int, output: Path) -> Path:
     """
     description = "Ideal vehicles on one lane, double integrators, to try a controller on"
     return pack_slave("PspPlant", description, plant_table(vehicles), {"vehicles": vehicles}, [], [NEEDS], output)
+
+
+def build_leader_fmu(vehicles: int, output: Path) -> Path:
+    """Write PspLeader.fmu.
+
+    Parameters
+    ----------
+    vehicles : of the platoon that follows; says nothing here
+    output : folder
+
+    Returns
+    -------
+    path of the FMU
+    """
+    description = "The speed of a leader, steady or on a stop-and-go wave"
+    return pack_slave("PspLeader", description, leader_table(), {"vehicles": vehicles}, [], [NEEDS], output)

@@ -87,6 +87,8 @@ SENTENCES = {
     "T_max (Lemma 1): a gap of %.10g m would do",
     "insert_none": "a vehicle cannot join %.10g m behind vehicle %d at %.10g m/s, where T = %.10g s would not be below "
     "T_max (Lemma 1): no gap would do there now, let it join at another place, speed or time",
+    "wave": "a wave from %.10g to %.10g m/s with a period of %.10g s is none: choose 0 <= v_low <= v_high and a period above "
+    "0 s",
     "short_periods": "more than max_short_periods = %d short sampling periods in one communication step, at "
     "t = %.10g s with T_max = %.10g s: raise max_short_periods, take shorter communication "
     "steps, or start further from L",

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import cos, pi
 
 import numpy as np
 from numpy.typing import NDArray
 
+from psp_model.leader import Wave
 from psp_model.state import StartDomain
 
 LENGTH = 5.0  # [m] of every vehicle: fronts L = 5 m apart means bumper to bumper
 RAMP_END, LANE_END, ROAD_END = 1000.0, 2200.0, 30_000.0  # [m] the ramp joins, its lane ends, the road ends
-STOP_AND_GO = (10.0, 30.0, 14.0, 40.0)  # first braking [s], highest and lowest speed [m/s], period [s] of the wave
+STOP_AND_GO = Wave(high=30.0, low=14.0, begin=10.0, period=40.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,16 +46,13 @@ class Scenario:
 
 
 def wave_speed(time: float) -> float:
-    """Speed of the leader in the stop-and-go wave [m/s]: a cosine after a while of steady driving (ours).
+    """Speed of the leader in the stop-and-go wave [m/s] (ours).
 
     Parameters
     ----------
     time : [s]
     """
-    begin, high, low, period = STOP_AND_GO
-    if time < begin:
-        return high
-    return 0.5 * (high + low) + 0.5 * (high - low) * cos(2 * pi * (time - begin) / period)
+    return STOP_AND_GO.speed(time)
 
 
 def highway(vehicles: int = 7, seed: int = 1, duration: float = 60.0) -> Scenario:

@@ -30,6 +30,12 @@ def plant_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
 
 
 @pytest.fixture(scope="session")
+def leader_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
+    """PspLeader.fmu."""
+    return _unpacked("leader", tmp_path_factory.mktemp("leader"))
+
+
+@pytest.fixture(scope="session")
 def platoon_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
     """PspPlatoon.fmu with 7 vehicles."""
     return _unpacked("platoon", tmp_path_factory.mktemp("platoon"))

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from fmu_src.ssp import write_loop
-from harness import OK, random_start, starts
+from harness import ERROR, OK, random_start, starts
 
 T, N = 0.01, 7
 CASES = [{"potential": 1}, {"potential": 2}, {"parameter_source": 2, "alpha_fixed": 2e-3, "r_fixed": 12.0}]
@@ -62,9 +62,9 @@ def expected(platoon_fmu) -> np.ndarray:
 
 
 @pytest.fixture(scope="module")
-def ssp(tmp_path_factory, plant_fmu, controller_fmu):
+def ssp(tmp_path_factory, plant_fmu, controller_fmu, leader_fmu):
     path = tmp_path_factory.mktemp("ssp") / "loop.ssp"
-    return write_loop(path, plant_fmu.path, controller_fmu.path, N, {})
+    return write_loop(path, plant_fmu.path, controller_fmu.path, N, {}, leader_fmu.path)
 
 
 def test_the_ssp_in_fmpy(ssp, expected):
@@ -76,6 +76,20 @@ def test_the_ssp_in_fmpy(ssp, expected):
     names = [name for name in SEEN if not name.startswith("x")]
     values = [result[f"plant.{name}"][-1] for name in names]
     np.testing.assert_allclose(values, expected[: len(names)], rtol=0, atol=1e-9)
+
+
+def test_the_leader_drives_its_wave_and_refuses_a_senseless_one(instances, leader_fmu):
+    leader = instances(leader_fmu)
+    assert leader.initialise({"v_low": 14.0}) == OK
+    seen = []
+    for k in range(50):
+        seen.append(leader.get("v")[0])
+        assert leader.step(float(k), 1.0) == OK
+    expected = [30.0 if k < 10 else 22 + 8 * np.cos(2 * np.pi * (k - 10) / 40) for k in range(50)]
+    np.testing.assert_allclose(seen, expected, atol=1e-12)
+    assert leader.call("fmi2Reset") == OK
+    assert leader.initialise({"v_low": 31.0}) == ERROR
+    assert "31" in leader.messages[-1][1]
 
 
 def run_script(text: str, folder) -> list[float]:

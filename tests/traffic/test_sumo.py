@@ -45,7 +45,7 @@ def test_sumos_vehicles_do_what_the_model_does_up_to_sumos_euler_step(fmu):
     assert record.reports["saturated"] == 0 and record.reports["lemma1_violations"] == 0
     assert 1e-4 < euler < 0.05
     ballistic = drive(scenario, v_new(fmu), disturbance=Disturbance(ballistic=True))
-    assert np.abs(-np.diff(ballistic.x) - run.s).max() < 0.1 * euler
+    np.testing.assert_allclose(-np.diff(ballistic.x), run.s, rtol=0, atol=1e-9)
 
 
 def test_vehicles_from_the_ramp_join_the_platoon_and_nobody_collides(fmu):
