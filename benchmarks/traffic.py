@@ -1,4 +1,4 @@
-"""The cost of the controller in SUMO with 1, 10, 100 platoons of 10: `python benchmarks/traffic.py [CONTROLLER.fmu]`."""
+"""Cost of the controller in SUMO with 1, 10, 100 platoons of 10: `python benchmarks/traffic.py [CONTROLLER.fmu]`."""
 
 from __future__ import annotations
 

@@ -68,8 +68,8 @@ SENTENCES = {
     "max_age": "max_age = %.10g s must be positive: it is the greatest age of an input, give it a time above 0 s",
     "phase": "phase = %.10g s must be at least 0 s and below T = %.10g s: it is the time of the first sampling instant",
     "active": "n_active = %.10g must be a whole number from 1 to %d: set the number of vehicles that are controlled",
-    "v_desired": "v_desired = %.10g m/s must lie strictly between 0 m/s and v_max = %.10g m/s, or be -1 for v_star: choose "
-    "another desired speed",
+    "v_desired": "v_desired = %.10g m/s must lie strictly between 0 m/s and v_max = %.10g m/s, or be -1 for v_star: "
+    "choose another desired speed",
     "measured_gap": "the measured gap s[%d] = %.10g m does not exceed L = %.10g m: no feedback is defined there, keep "
     "the vehicles apart, lower L, or set bad_input to 2 for the safe action",
     "measured_speed": "the measured speed v[%d] = %.10g m/s does not lie in [0, %.10g] m/s: no feedback is defined "
@@ -87,8 +87,8 @@ SENTENCES = {
     "T_max (Lemma 1): a gap of %.10g m would do",
     "insert_none": "a vehicle cannot join %.10g m behind vehicle %d at %.10g m/s, where T = %.10g s would not be below "
     "T_max (Lemma 1): no gap would do there now, let it join at another place, speed or time",
-    "wave": "a wave from %.10g to %.10g m/s with a period of %.10g s is none: choose 0 <= v_low <= v_high and a period above "
-    "0 s",
+    "wave": "a wave from %.10g to %.10g m/s with a period of %.10g s is none: choose 0 <= v_low <= v_high and "
+    "a period above 0 s",
     "short_periods": "more than max_short_periods = %d short sampling periods in one communication step, at "
     "t = %.10g s with T_max = %.10g s: raise max_short_periods, take shorter communication "
     "steps, or start further from L",
