@@ -13,7 +13,7 @@ from .parameters import PotentialParameters
 from .platoon import Lemma1Policy, SampledPlatoon, Vector
 from .state import PlatoonState
 
-_PROBES = 200  # gaps that are tried for one that would do
+_PROBES = 100  # gaps that are tried for one that would do
 _TRUSTED = 5  # of these, how many are checked with the potential chosen for them
 
 

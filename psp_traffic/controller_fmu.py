@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
-from ctypes import c_double, c_uint32
+from ctypes import byref, c_double, c_uint32
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +37,32 @@ class ControllerFmu:
         return (c_uint32 * len(names))(*(self.variables[name].valueReference for name in names))
 
 
+_LOG = logging.getLogger("psp_traffic")
+
+
+def _say(environment: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
+    _LOG.log(logging.WARNING if status == 1 else logging.ERROR, "%s: %s", name.decode(), message.decode())
+
+
+@cache
+def _logger() -> Any:
+    """One logger for all instances and for good: fmpy's proxy passes all messages to the last one it was shown."""
+    from fmpy.fmi2 import fmi2CallbackLoggerTYPE
+
+    return fmi2CallbackLoggerTYPE(_say)
+
+
+def _callbacks() -> Any:
+    """What an instance calls back; its messages go to Python's logging."""
+    from fmpy.fmi2 import addLoggerProxy, defaultCallbacks, fmi2CallbackFunctions
+
+    found = fmi2CallbackFunctions()
+    found.logger, found.allocateMemory = _logger(), defaultCallbacks.allocateMemory
+    found.freeMemory = defaultCallbacks.freeMemory
+    addLoggerProxy(byref(found))
+    return found
+
+
 class Platoon:
     """One instance: measured gaps and speeds in, accelerations out.
 
@@ -49,12 +77,13 @@ class Platoon:
     def __init__(self, fmu: ControllerFmu, name: str, parameters: Mapping[str, float], T: float):
         from fmpy.fmi2 import FMU2Slave
 
+        self._callbacks = _callbacks()
         model = fmu.description
         identifier = model.coSimulation.modelIdentifier
         self._slave = FMU2Slave(
             guid=model.guid, unzipDirectory=fmu.folder, modelIdentifier=identifier, instanceName=name
         )
-        self._slave.instantiate()
+        self._slave.instantiate(callbacks=self._callbacks)
         self._slave.setupExperiment(startTime=0.0)
         n, self.T, self._step = fmu.capacity, T, 0
         for parameter, value in (dict(parameters) | {"T": T}).items():

@@ -40,7 +40,7 @@ def step(road: OpenPlatoon, rng: np.random.Generator, time: list[float]) -> None
     road.platoon.advance_to(*at)
     n = len(road.vehicles)
     before, seen = road.vehicles, road.platoon.observe(*at)
-    if rng.random() < (0.65 if n < 6 else 0.4):
+    if rng.random() < (0.65 if n < 9 else 0.5):
         place = int(rng.integers(0, n + 1))
         room = seen.s[place - 1] if 0 < place < n else 40.0
         gap = rng.choice(
