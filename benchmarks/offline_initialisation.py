@@ -1,4 +1,4 @@
-"""Time that `parameter_source` 3 takes at initialisation against the number of rollouts: python benchmarks/offline_initialisation.py"""
+"""Time of `parameter_source` 3 at initialisation, by rollouts: python benchmarks/offline_initialisation.py"""
 
 from __future__ import annotations
 

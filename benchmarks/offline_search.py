@@ -35,7 +35,9 @@ def feasible_grid() -> np.ndarray:
     return np.array(points)
 
 
-def brute_force(start: np.ndarray, points: np.ndarray, engine: Engine, exact: Engine, rng: np.random.Generator) -> float:
+def brute_force(
+    start: np.ndarray, points: np.ndarray, engine: Engine, exact: Engine, rng: np.random.Generator
+) -> float:
     """The best J found for one start."""
 
     def costs(triples: np.ndarray) -> np.ndarray:

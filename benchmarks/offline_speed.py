@@ -1,4 +1,4 @@
-"""The search's speed and quality beside a local solver's and differential evolution's: python benchmarks/offline_speed.py
+"""Speed and quality of the search beside a local solver and differential evolution: python benchmarks/offline_speed.py
 
 All solve the same starts with the same objective (T = 0.01 s, 20 s) and feasible set.  CPU seconds are given beside
 wall seconds, because they do not depend on what else the machine does.
@@ -40,7 +40,9 @@ def evolution(start: np.ndarray, problem: Problem, engine: Engine, limit: SlopeL
         return np.where(feasible, J, 1e3)
 
     bounds = [(np.log(1e-3), np.log(1e-1)), (5.96, 17.0), (0.0, 1.0)]
-    found = differential_evolution(costs, bounds, popsize=15, maxiter=60, vectorized=True, updating="deferred", polish=False, rng=seed)
+    found = differential_evolution(
+        costs, bounds, popsize=15, maxiter=60, vectorized=True, updating="deferred", polish=False, rng=seed
+    )
     return limit.triples(np.exp(found.x[0]), found.x[1], found.x[2])[0]
 
 
@@ -66,11 +68,15 @@ def main() -> dict[str, Any]:
     local.solve(starts[0], [(1e-3, 11.0, 5.5)])  # builds
     few = starts[: options.others]
     found, wall, cpu = timed(lambda: search.solve(starts))
-    rows = {"search": {"starts": len(starts), "wall_s_per_start": wall / len(starts), "cpu_s_per_start": cpu / len(starts)}}
+    rows = {
+        "search": {"starts": len(starts), "wall_s_per_start": wall / len(starts), "cpu_s_per_start": cpu / len(starts)}
+    }
     best = found.J[: len(few)]
     works = {
         "ipopt_three_guesses": lambda: np.array([local.solve(start)[0] for start in few]),
-        "differential_evolution": lambda: np.array([evolution(x, problem, engine, search.limit, k) for k, x in enumerate(few)]),
+        "differential_evolution": lambda: np.array(
+            [evolution(x, problem, engine, search.limit, k) for k, x in enumerate(few)]
+        ),
     }
     for name, work in works.items():
         triples, wall, cpu = timed(work)
@@ -84,7 +90,12 @@ def main() -> dict[str, Any]:
             "cpu_times_search": cpu / len(few) / rows["search"]["cpu_s_per_start"],
         }
     load = os.getloadavg()[0]
-    result = {"cores": os.cpu_count(), "load_average": load, "minutes_for_6000_starts": rows["search"]["wall_s_per_start"] * 100, "rows": rows}
+    result = {
+        "cores": os.cpu_count(),
+        "load_average": load,
+        "minutes_for_6000_starts": rows["search"]["wall_s_per_start"] * 100,
+        "rows": rows,
+    }
     options.output.parent.mkdir(exist_ok=True)
     options.output.write_text(json.dumps(result, indent=1) + "\n")
     print(json.dumps(result, indent=1))

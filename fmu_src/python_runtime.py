@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import distribution, version
 from importlib.resources import files
@@ -15,6 +15,7 @@ import psp_model
 from psp_model.network import ParameterNetwork
 
 from .documentation import index_page
+from .ecosystem import layered_standard, reference_results
 from .model_description import Component, model_description
 from .packing import content_digest, guid_of, write_fmu
 from .table_slave import CONFIG
@@ -73,12 +74,14 @@ class NetworkFile:
     name : file name inside resources/
     content : the file
     domain, constants : what it was trained for
+    reader : runs it
     """
 
     name: str
     content: bytes
     domain: dict[str, float]
     constants: dict[str, float]
+    reader: ParameterNetwork
 
 
 def network_for(vehicles: int, path: Path | None = None) -> NetworkFile | None:
@@ -99,7 +102,7 @@ def network_for(vehicles: int, path: Path | None = None) -> NetworkFile | None:
             return None
     network = ParameterNetwork(path)
     network.require_vehicles(vehicles)
-    return NetworkFile(path.name, path.read_bytes(), network.domain.as_dict(), dict(vars(network.constants)))
+    return NetworkFile(path.name, path.read_bytes(), network.domain.as_dict(), dict(vars(network.constants)), network)
 
 
 def _model_sources(name: str) -> dict[str, bytes]:
@@ -172,7 +175,8 @@ def build_python_fmu(vehicles: int, output: Path, network: NetworkFile | None) -
         "network": network and {"file": network.name, "domain": network.domain, "constants": network.constants},
     }
     networks = [network] if network else []
-    return pack_slave(NAME, DESCRIPTION, table, config, networks, _notes(vehicles, network), output)
+    more = layered_standard(table, reference_results(table, network.reader if network else None))
+    return pack_slave(NAME, DESCRIPTION, table, config, networks, _notes(vehicles, network), output, more)
 
 
 def pack_slave(
@@ -183,6 +187,7 @@ def pack_slave(
     networks: Sequence[NetworkFile],
     notes: Sequence[str],
     output: Path,
+    more: Mapping[str, bytes] | None = None,
 ) -> Path:
     """Write an FMU whose slave is the class `name`; the same tree gives the same bytes.
 
@@ -194,6 +199,7 @@ def pack_slave(
     networks : that go into resources/
     notes : paragraphs of its page
     output : folder
+    more : further files, content by name
 
     Returns
     -------
@@ -206,7 +212,8 @@ def pack_slave(
         "",
         capabilities=("canGetAndSetFMUstate", "canSerializeFMUstate", "canNotUseMemoryManagementFunctions"),
     )
-    packed = _fixed_files(name, networks) | {
+    packed = dict(more or {}) | _fixed_files(name, networks)
+    packed |= {
         "documentation/index.html": index_page(component, config["vehicles"], table, notes)
     }
     sources = _model_sources(name)

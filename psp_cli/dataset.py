@@ -15,7 +15,9 @@ def dataset(
     seed: Annotated[int, typer.Option(help="Seed of the starts.", min=0)] = 1,
     vehicles: Annotated[int, typer.Option("--vehicles", "-n", help="Number of vehicles.", min=2)] = 7,
     output: Annotated[Path | None, typer.Option("--output", "-o", help="Parquet file.", show_default=False)] = None,
-    effort: Annotated[str, typer.Option(help="full, quick, or grid: the best of a grid, for many starts to train on.")] = "full",
+    effort: Annotated[
+        str, typer.Option(help="full, quick, or grid: the best of a grid, for many starts to train on.")
+    ] = "full",
     tables: Annotated[bool, typer.Option(help="Keep J on the main grid, which recipe cost trains on.")] = True,
     chunk: Annotated[int, typer.Option(help="Starts that are solved together.", min=1)] = 100,
     resume: Annotated[bool, typer.Option("--resume", help="Go on where an interrupted run stopped.")] = False,

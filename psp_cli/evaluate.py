@@ -21,7 +21,9 @@ def evaluate(
     rollouts: Annotated[str, typer.Option(help="Numbers of rollouts to judge ranking networks with.")] = "8,16,32",
     starts: Annotated[int | None, typer.Option(help="Use the first so many starts only.", min=1)] = None,
     ipopt: Annotated[int, typer.Option(help="Judge IPOPT from three guesses on so many starts (slow).", min=0)] = 0,
-    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for table and picture.")] = Path("out/evaluation"),
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for table and picture.")] = Path(
+        "out/evaluation"
+    ),
     card: Annotated[bool, typer.Option("--card", help="Write the first network's model card beside it.")] = False,
 ) -> None:
     """Judge networks by closed-loop regret: table, picture, and a model card where asked for."""
@@ -74,4 +76,8 @@ def _judge_ipopt(judge: Judge, data: Dataset, count: int) -> None:
 
     solver = LocalSolver(data.problem)
     count = min(count, len(data.J))
-    judge.add("IPOPT from three guesses", np.array([solver.solve(start)[0] for start in data.starts[:count]]), np.arange(count))
+    judge.add(
+        "IPOPT from three guesses",
+        np.array([solver.solve(start)[0] for start in data.starts[:count]]),
+        np.arange(count),
+    )

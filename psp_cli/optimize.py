@@ -11,7 +11,9 @@ from .bad_input import BadInput
 
 
 def optimize(
-    starts: Annotated[Path, typer.Option(help="CSV with columns s_2..s_n, v_1..v_n, or NPZ with s0 [B, n-1], v0 [B, n].")],
+    starts: Annotated[
+        Path, typer.Option(help="CSV with columns s_2..s_n, v_1..v_n, or NPZ with s0 [B, n-1], v0 [B, n].")
+    ],
     output: Annotated[Path, typer.Option("--output", "-o", help="CSV or NPZ with alpha, r, p, J.")],
     effort: Annotated[str, typer.Option(help="full, or less exact quick or grid.")] = "full",
 ) -> None:

@@ -22,7 +22,14 @@ _WIDE = 10.0  # accelerations that differ by more than this factor between runs 
 
 @dataclass(frozen=True)
 class Quantity:
-    """One column of the picture: what is drawn, its unit, and the number of the first vehicle that has it."""
+    """One column of the picture.
+
+    Attributes
+    ----------
+    field : of Run
+    label : what it is, with its unit
+    first_vehicle : number of the first vehicle that has it
+    """
 
     field: str
     label: str

@@ -92,7 +92,8 @@ Front *front_enter(fmi2Component c, Call call, fmi2Status *refusal)
     if (CALLS[call].modes & mode) return front;
     front_log(front, fmi2Error, "%s was called in state '%s', where it is not allowed: %s", CALLS[call].name,
               mode_name(mode), remedy(mode, call));
-    *refusal = front_leave(front, mode == IN_FATAL ? fmi2Fatal : fmi2Error);
+    /* nothing has happened, so the state stays: a tool that asks too early can still go on as it should */
+    *refusal = mode == IN_FATAL ? fmi2Fatal : fmi2Error;
     return NULL;
 }
 

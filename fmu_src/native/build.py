@@ -8,6 +8,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from ..documentation import index_page
+from ..ecosystem import layered_standard, reference_results
 from ..model_description import Component, model_description
 from ..packing import content_digest, guid_of, write_fmu
 from ..python_runtime import NetworkFile
@@ -89,6 +90,7 @@ def build_native_fmu(
         "documentation/licenses/license.txt": (_HERE.parents[1] / "LICENSE").read_bytes(),
         "model.png": (_HERE.parent / "model.png").read_bytes(),
     }
+    packed |= layered_standard(table, reference_results(table, network.reader if network else None))
     without_guid = native_sources(table, vehicles, "", network)
     guid = guid_of(content_digest(packed | without_guid | {"table": repr((component, table)).encode()}))
     sources = native_sources(table, vehicles, guid, network)

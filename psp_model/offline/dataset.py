@@ -105,15 +105,13 @@ def _on_cluster(plan: Plan, missing: list[int], scheduler: str) -> Iterator[tupl
     from distributed import Client, as_completed
 
     try:
-        client = Client(scheduler, timeout="10s")
+        client = Client(scheduler, timeout="10s")  # type: ignore[no-untyped-call]
     except (OSError, ValueError, TimeoutError):
         raise OfflineError(
             f"no Dask scheduler answers at {scheduler!r}: start one, or leave --scheduler out to use this machine"
         ) from None
     with client:
-        numbers = {
-            client.submit(solve_chunk, plan, number, 1, pure=False, retries=10): number for number in missing
-        }
-        for future in as_completed(list(numbers)):
+        numbers = {client.submit(solve_chunk, plan, number, 1, pure=False, retries=10): number for number in missing}
+        for future in as_completed(list(numbers)):  # type: ignore[no-untyped-call]
             yield numbers[future], future.result()
             future.release()

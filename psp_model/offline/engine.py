@@ -1,4 +1,4 @@
-"""Rollouts of the closed loop by the million: the model's own step, written to C by CasADi and compiled for this machine.
+"""Rollouts of the closed loop by the million: the model's own step, written to C by CasADi, compiled for this machine.
 
 There is no second copy of the dynamics here: `_step` calls psp_model with CasADi symbols.  The C code runs 32 rollouts
 side by side in vector instructions, about 20 times faster than the same functions batched by JAX on the same core
@@ -78,7 +78,7 @@ def _step(problem: Problem, with_period: bool) -> str:
     s1, v1 = advance(s, v, a, T)
     out = casadi.vertcat(s1, v1, of_acceleration + of_gaps, period)
     function = casadi.Function("step", [casadi.vertcat(s, v), triple], [out], {"cse": True})
-    options = {"with_header": False, "casadi_real": "REAL", "casadi_int": "int", "include_math": False}
+    options: dict[str, Any] = {"with_header": False, "casadi_real": "REAL", "casadi_int": "int", "include_math": False}
     generator = casadi.CodeGenerator("step", options)
     generator.add(function)
     return str(generator.dump())
@@ -168,9 +168,9 @@ class Engine:
             part = slice(first, first + _PIECE)
             arrays = (starts, which[part], triples[part], J[part], T_max[part])
             pointers = [ctypes.c_void_p(array.ctypes.data) for array in arrays]
-            self._function(which[part].size, steps, *pointers)
+            rollouts(which[part].size, steps, *pointers)
 
-        self._function  # compiled before the threads start, so that they do not compile it twice
+        rollouts = self._function  # compiled before the threads start, so that they do not compile it twice
         firsts = range(0, which.size, _PIECE)
         with ThreadPoolExecutor(self.threads or os.cpu_count()) as pool:
             list(pool.map(piece, firsts))

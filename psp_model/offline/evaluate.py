@@ -30,7 +30,7 @@ class Answers:
     Attributes
     ----------
     name : of the way
-    raw : (B, 3) triples as proposed, before projection
+    raw : (B, 3) triples as proposed, before projection; as used where rollouts chose them
     triples : (B, 3) as used
     J, T_max : (B,) from rollouts in float64
     rows : which starts of the data set these are
@@ -54,7 +54,7 @@ class Score:
     starts : how many it was judged on
     mean, median, p95, worst : regret J/J* - 1
     beats_fixed : share of starts with a lower J than the best fixed triple
-    projected : share of answers that the projection into the feasible set (or a refinement) moved
+    projected : share of answers that had to be projected into the feasible set
     out_of_domain : share of starts outside the network's domain
     mse : mean squared error against the optima, of alpha, r, p scaled to [0, 1] by their bounds
     smallest_T_max : over all starts and sampling instants [s]
@@ -95,7 +95,7 @@ class Evaluation:
     def score(self, answers: Answers) -> Score:
         """The figures of one way to choose."""
         regret, fixed = self.regret(answers), self.answers[0]
-        shift, scale = output_scaling(self.data.problem)
+        _, scale = output_scaling(self.data.problem)
         error = (answers.raw - self.data.triples[answers.rows]) / scale
         mse = tuple(float(value) for value in (error**2).mean(axis=0))
         return Score(
@@ -105,7 +105,7 @@ class Evaluation:
             float(np.median(regret)),
             float(np.percentile(regret, 95)),
             float(regret.max()),
-            float((answers.J < fixed.J[answers.rows]).mean()),
+            float((fixed.J[answers.rows] > answers.J).mean()),
             float((answers.raw.astype(np.float32) != answers.triples.astype(np.float32)).any(axis=1).mean()),
             self.out_of_domain.get(answers.name, 0.0),
             (mse[0], mse[1], mse[2]),
@@ -127,7 +127,7 @@ def best_fixed(data: Dataset) -> Array:
 def projected(raw: Array, constants: PlatoonParameters) -> Array:
     """Each of (N, 3) triples inside the feasible set."""
     shapes = [project(PotentialParameters(*map(float, row)), constants) for row in raw]
-    return np.array([(shape.alpha, shape.r, shape.p) for shape in shapes]).reshape(-1, 3)
+    return np.array([_row(shape) for shape in shapes]).reshape(-1, 3)
 
 
 class Judge:
@@ -174,7 +174,8 @@ class Judge:
             )
             best = _first_least(J)
         rows = np.arange(len(raw))
-        answers = Answers(name, raw[:, 0], triples[rows, best], J[rows, best], T_max[rows, best], rows)
+        chosen = triples[rows, best]
+        answers = Answers(name, chosen, chosen, J[rows, best], T_max[rows, best], rows)
         self.evaluation.answers.append(answers)
 
     def _rolled_out(self, raw: Array) -> tuple[Array, Array, Array]:
@@ -209,8 +210,8 @@ def _row(shape: PotentialParameters) -> tuple[float, float, float]:
 
 def as_markdown(scores: Sequence[Score]) -> str:
     """The table for model cards and README."""
-    head = "| way to choose alpha, r, p | starts | mean | median | 95 % | worst | beats fixed | projected | MSE alpha, r, p | smallest T_max |"
-    lines = [head, "|" + "---|" * 10]
+    head = "| way to choose alpha, r, p | starts | mean | median | 95 % | worst | beats fixed | projected "
+    lines = [head + "| MSE alpha, r, p | smallest T_max |", "|" + "---|" * 10]
     for score in scores:
         regret = " | ".join(f"{100 * value:.2f} %" for value in (score.mean, score.median, score.p95, score.worst))
         mse = ", ".join(f"{value:.4f}" for value in score.mse)
@@ -242,7 +243,8 @@ def picture(evaluation: Evaluation, path: Path, command: str) -> None:
         share = (np.arange(regret.size) + 0.5) / regret.size
         axes.plot(100 * np.maximum(regret, 1e-6), 100 * share, label=f"{answers.name} ({100 * regret.mean():.2f} %)")
     axes.set(xscale="log", xlim=(0.005, 20), xlabel="regret J/J* - 1 [%]", ylabel="share of starts below [%]")
-    axes.set_title(f"{evaluation.data.problem.vehicles} vehicles, {len(evaluation.data.J)} held-out starts (mean regret)")
+    vehicles, starts = evaluation.data.problem.vehicles, len(evaluation.data.J)
+    axes.set_title(f"{vehicles} vehicles, {starts} held-out starts (mean regret)")
     axes.legend(fontsize="small")
     axes.grid(alpha=0.3)
     figure.supxlabel(command, fontsize=6)

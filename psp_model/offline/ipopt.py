@@ -50,8 +50,9 @@ class LocalSolver:
         _, costs = step.mapaccum("run", periods)(start, casadi.repmat(x, 1, periods))
         places = triple[1] + np.linspace(0.0, HILL_WIDTH, _POINTS)
         slopes = casadi.Function("slopes", [triple], [potential_slope(casadi.SX(places), shape, constants)])
-        nlp = {"x": x, "p": start, "f": casadi.sum2(costs), "g": slopes(x)}
-        options = {"ipopt.hessian_approximation": "limited-memory", "ipopt.print_level": 0, "ipopt.max_iter": 60}
+        nlp: dict[str, Any] = {"x": x, "p": start, "f": casadi.sum2(costs), "g": slopes(x)}
+        options: dict[str, Any] = {"ipopt.hessian_approximation": "limited-memory", "ipopt.max_iter": 60}
+        options["ipopt.print_level"] = 0
         return casadi.nlpsol("solver", "ipopt", nlp, options | {"print_time": False, "ipopt.sb": "yes"})
 
     def solve(self, start: Array, guesses: Sequence[Sequence[float]] = GUESSES) -> tuple[Array, float]:

@@ -14,8 +14,8 @@ Gives alpha, r, p of the potential for a platoon of {vehicles} vehicles from its
 - **Made by** `{made}`
 - **Data** SHA-256 `{data}` (hash of the content, in the Parquet file's metadata too).
 - **Trained for** starts with {domain} (m, m/s, s), objective {objective}.
-- **Input** `initial_condition` float32 [batch, {columns}]: s_2..s_n [m], v_1..v_n [m/s]; **output** `parameters` float32
-  [batch, 3]: alpha [1], r [m], p [1], to be projected into the feasible set. All scaling is in the weights.
+- **Input** `initial_condition` float32 [batch, {columns}]: s_2..s_n [m], v_1..v_n [m/s]; **output** `parameters`
+  float32 [batch, 3]: alpha [1], r [m], p [1], to be projected into the feasible set. All scaling is in the weights.
 
 ## On the road
 
@@ -47,7 +47,10 @@ def write_card(path: Path, evaluation: Evaluation, command: str) -> Path:
     model = onnx.load(str(path))
     about = {entry.key: entry.value for entry in model.metadata_props}
     shapes = {tensor.name: list(tensor.dims) for tensor in model.graph.initializer}
-    widths = {prefix: [dims for name, dims in shapes.items() if name.startswith(f"{prefix}_W")] for prefix in ("parameters", "scores")}
+    widths = {
+        prefix: [dims for name, dims in shapes.items() if name.startswith(f"{prefix}_W")]
+        for prefix in ("parameters", "scores")
+    }
     ranking = ""
     if widths["scores"]:
         ranking = f"; ranks {shapes['dictionary_values'][0]} candidates by layers {_chain(widths['scores'])}"

@@ -54,7 +54,12 @@ class Dataset:
     def first(self, count: int | None) -> Dataset:
         """The first `count` starts, all where it is None; the hash stays that of the whole."""
         tables = None if self.tables is None else self.tables[:count]
-        parts = {"starts": self.starts[:count], "triples": self.triples[:count], "J": self.J[:count], "tables": tables}
+        parts: dict[str, Any] = {
+            "starts": self.starts[:count],
+            "triples": self.triples[:count],
+            "J": self.J[:count],
+            "tables": tables,
+        }
         return replace(self, **parts)
 
     @property

@@ -77,7 +77,8 @@ def solve_chunk(plan: Plan, number: int, threads: int | None = None) -> bytes:
     starts = plan.draw()[number * plan.chunk : (number + 1) * plan.chunk]
     columns = solve_or_record(_search(plan.problem, plan.effort, threads), starts, plan.tables)
     file = io.BytesIO()
-    np.savez(file, starts=starts, **columns)
+    arrays: dict[str, Any] = {"starts": starts, **columns}
+    np.savez(file, **arrays)
     return file.getvalue()
 
 

@@ -132,8 +132,10 @@ def _fitted(
     """Fit on the training part; validation and test use `truth`, the arrays without blur."""
     training, validation, test = split(len(arrays["x"]), seed)
     schedule = replace(schedule, batch=min(schedule.batch, len(training)))
-    parts = [{name: array[rows] for name, array in source.items()}
-             for source, rows in ((arrays, training), (truth, validation), (truth, test))]
+    parts = [
+        {name: array[rows] for name, array in source.items()}
+        for source, rows in ((arrays, training), (truth, validation), (truth, test))
+    ]
     found = fit(layers, loss, parts[0], parts[1], schedule, seed, checkpoint, watch)
     return found, float(loss(found.best, parts[2]))
 

@@ -82,9 +82,7 @@ def zoom(costs: Costs, places: Array, J: Array, axes: Array, width: Array, round
     return places, J
 
 
-def descend(
-    costs: Costs, places: Array, axes: Array, cells: Array, survivors: int, rounds: int
-) -> tuple[Array, Array]:
+def descend(costs: Costs, places: Array, axes: Array, cells: Array, survivors: int, rounds: int) -> tuple[Array, Array]:
     """Follow valleys: across each first, then along the best ones in halving steps.
 
     Parameters

@@ -231,9 +231,9 @@ def _minima(tables: Array, grid: Grid, count: int) -> tuple[Array, Array]:
     rows, columns = tables.shape[1:]
     padded = np.pad(tables, ((0, 0), (1, 1), (1, 1)), constant_values=np.inf)
     lowest = np.ones(tables.shape, bool)
-    for i in range(3):
-        for j in range(3):
-            lowest &= tables <= padded[:, i : i + rows, j : j + columns]
+    for down in range(3):
+        for right in range(3):
+            lowest &= tables <= padded[:, down : down + rows, right : right + columns]
     J = np.where(lowest, tables, np.float32(np.inf)).reshape(len(tables), -1)
     order = np.argsort(J, axis=1, kind="stable")[:, :count]
     i, j = np.divmod(order, columns)

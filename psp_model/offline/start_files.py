@@ -130,10 +130,14 @@ def write_optima(path: Path, columns: dict[str, Array]) -> None:
         np.savez(file, **arrays)
         content = file.getvalue()
     else:
-        lines = [",".join(arrays)] + [",".join(f"{value:.17g}" for value in row) for row in zip(*arrays.values(), strict=True)]
+        lines = [",".join(arrays)] + [
+            ",".join(f"{value:.17g}" for value in row) for row in zip(*arrays.values(), strict=True)
+        ]
         content = ("\n".join(lines) + "\n").encode()
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, content)
     except OSError as error:
-        raise OfflineError(f"{path} could not be written ({error.strerror or error}): make room there or choose another place") from None
+        raise OfflineError(
+            f"{path} could not be written ({error.strerror or error}): make room there or choose another place"
+        ) from None

@@ -23,7 +23,10 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]], classes: Sequence[
     name : id of the table, "" for none
     """
     classes = [*classes, *[""] * len(head)]
-    top = "".join(f"<th scope='col'>{escape(cell)}</th>" for cell in head)
+    top = "".join(
+        f"<th scope='col'{f' class={kind!r}' if kind else ''}>{escape(cell)}</th>"
+        for cell, kind in zip(head, classes, strict=False)
+    )
     body = []
     for first, *others in rows:
         cells = "".join(

@@ -51,5 +51,7 @@ def rounded(lines: NDArray[np.float64], tolerance: float = TOLERANCE) -> NDArray
     tolerance : as for `kept`; rounding adds at most a tenth of it
     """
     spread = float(np.ptp(lines)) or 1.0
-    decimals = int(np.ceil(-np.log10(tolerance * spread / 10.0)))
-    return np.round(lines, max(decimals, 0))
+    step = tolerance * spread / 10.0
+    if step < 1e-15:  # nothing to save, and decimals that rounding cannot count
+        return lines
+    return np.round(lines, max(int(np.ceil(-np.log10(step))), 0))

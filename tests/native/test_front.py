@@ -65,6 +65,14 @@ def test_functions_are_refused_where_the_standard_does_not_allow_them(instance, 
         assert instance.call("fmi2Reset") == OK and instance.initialise({"parameter_source": 2}) == OK
 
 
+def test_a_call_out_of_order_changes_nothing(instance):
+    assert instance.call("fmi2GetReal", byref(c_uint(0)), 1, byref(c_double())) == ERROR
+    assert instance.step(0.0, 0.01) == ERROR
+    assert instance.initialise({"parameter_source": 2}) == OK
+    assert instance.call("fmi2SetupExperiment", 0, 0.0, 0.0, 0, 0.0) == ERROR
+    assert instance.step(0.0, 0.01) == OK
+
+
 def test_null_pointers_are_refused_and_a_null_instance_too(instance):
     _bring_to(instance, "stepped")
     assert instance.call("fmi2GetReal", None, 1, None) == ERROR

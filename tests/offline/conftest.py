@@ -7,10 +7,9 @@ import pytest
 pytest.importorskip("casadi")
 pytest.importorskip("ziglang")
 
-from small_problems import PLAN, TINY
-
 from psp_model.offline import search
 from psp_model.offline.plan import Plan
+from small_problems import PLAN, TINY
 
 
 @pytest.fixture

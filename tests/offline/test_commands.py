@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from small_problems import draw
 from typer.testing import CliRunner
 
 from psp_cli.main import app
 from psp_model import PlatoonParameters, PotentialParameters, require_feasible
 from psp_model.offline.plan import Plan
+from small_problems import draw
 
 RUN = CliRunner()
 HEADER = "s_2,s_3,v_1,v_2,v_3\n"
@@ -94,10 +94,23 @@ def test_other_bad_input(tmp_path: Path) -> None:
     assert "no Dask scheduler" in sentence(["dataset", "--scheduler", "tcp://127.0.0.1:1", *out])
 
 
-def test_dataset_train_evaluate_from_end_to_end(tiny_plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_dataset_train_evaluate_from_end_to_end(
+    tiny_plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     for seed, count in ((1, 30), (2, 6)):
-        arguments = ["-n", "3", "--starts", str(count), "--seed", str(seed), "-o", f"{seed}.parquet", "--effort", "tiny"]
+        arguments = [
+            "-n",
+            "3",
+            "--starts",
+            str(count),
+            "--seed",
+            str(seed),
+            "-o",
+            f"{seed}.parquet",
+            "--effort",
+            "tiny",
+        ]
         assert RUN.invoke(app, ["dataset", *arguments]).exit_code == 0
     trained = ["train", "--data", "1.parquet", "-o", "net.onnx", "--epochs", "2", "--candidates", "9", "--hidden", "8"]
     assert RUN.invoke(app, trained).exit_code == 0

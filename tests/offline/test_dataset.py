@@ -13,9 +13,8 @@ import distributed
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-import small_problems
-from small_problems import TINY, teach_tiny
 
+import small_problems
 from psp_model import StartDomain
 from psp_model.offline import dataset as module
 from psp_model.offline.dataset import make_dataset
@@ -23,6 +22,7 @@ from psp_model.offline.errors import OfflineError
 from psp_model.offline.parquet import read_dataset
 from psp_model.offline.plan import Plan, solve_or_record
 from psp_model.offline.search import Search
+from small_problems import TINY, teach_tiny
 
 RUN = """
 import sys, time
@@ -136,7 +136,7 @@ def test_full_disk_is_one_sentence_and_leaves_nothing_half_written(
     whole = make(tiny_plan, tmp_path / "whole.parquet")
     with monkeypatch.context() as patch:
         patch.setattr(module.os, "fsync", full)
-        with pytest.raises(OfflineError, match="No space left on device.*--resume"):
+        with pytest.raises(OfflineError, match=r"No space left on device.*--resume"):
             make(tiny_plan, tmp_path / "a.parquet")
     assert not list(tmp_path.rglob("*.partial")) and not (tmp_path / "a.parquet").exists()
     assert make(tiny_plan, tmp_path / "a.parquet", resume=True) == whole
@@ -146,7 +146,9 @@ def test_foreign_and_changed_files_are_refused(tiny_plan: Plan, tmp_path: Path) 
     path = tmp_path / "a.parquet"
     make(tiny_plan, path)
     table = pq.read_table(path)
-    changed = table.set_column(table.column_names.index("J"), table.schema.field("J"), [table.column("J").to_numpy() + 1])
+    changed = table.set_column(
+        table.column_names.index("J"), table.schema.field("J"), [table.column("J").to_numpy() + 1]
+    )
     for name, content, sentence in [
         ("changed", changed, "was changed after it was made"),
         ("foreign", table.replace_schema_metadata({}), "has not the schema"),

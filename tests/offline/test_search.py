@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from small_problems import draw
 
 from psp_model import PlatoonParameters, PotentialParameters, max_slope, require_feasible
 from psp_model.feasible import slope_within_limit
 from psp_model.offline.engine import Engine, Problem
 from psp_model.offline.search import Search, Solutions
 from psp_model.offline.slope_limit import SlopeLimit
+from small_problems import draw
 
 CONSTANTS = PlatoonParameters()
 
@@ -37,7 +37,7 @@ def test_search_is_not_above_a_regular_grid(solved: tuple[np.ndarray, Solutions]
     points = brute_force_points()
     engine = Engine(Problem(4))
     grid = [engine.costs(start[None], np.zeros(len(points), int), points)[0].min() for start in starts]
-    assert (found.J <= np.array(grid) * 1.001).all()
+    assert (np.array(grid) * 1.001 >= found.J).all()
 
 
 def test_answers_are_feasible_and_certified(solved: tuple[np.ndarray, Solutions]) -> None:
@@ -57,4 +57,6 @@ def test_slope_limit_is_where_the_slope_reaches_z() -> None:
     rng = np.random.default_rng(0)
     alpha, r = np.exp(rng.uniform(np.log(1e-3), np.log(2e-2), 40)), rng.uniform(8.5, 17.0, 40)
     for a, place, p in zip(alpha, r, SlopeLimit(CONSTANTS).largest_p(alpha, r), strict=True):
-        assert max_slope(PotentialParameters(float(a), float(place), float(p)), CONSTANTS) == pytest.approx(4.0, abs=0.02)
+        assert max_slope(PotentialParameters(float(a), float(place), float(p)), CONSTANTS) == pytest.approx(
+            4.0, abs=0.02
+        )

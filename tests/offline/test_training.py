@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from small_problems import PLAN, TINY, draw
 
 from psp_model import PlatoonState, PotentialParameters, StartDomain, simulate
 from psp_model.choose import ParameterSource, Request, choose_potential
@@ -26,6 +25,7 @@ from psp_model.offline.search import EFFORTS
 from psp_model.offline.slope_limit import SlopeLimit
 from psp_model.parameters import ObjectiveWeights
 from psp_model.platoon import Sampling
+from small_problems import PLAN, TINY, draw
 
 QUICK = Schedule(3e-3, True, 5, 16, 5)
 
@@ -150,7 +150,7 @@ def test_evaluation_agrees_with_runs_of_the_model(data: Dataset, tmp_path: Path)
         chosen = choose_potential(start, request, network, ObjectiveWeights(), Sampling(), lambda sentence: None)
         np.testing.assert_allclose([chosen.alpha, chosen.r, chosen.p], rollout.triples[k], rtol=1e-12)
         run = simulate(start, PotentialParameters(*map(float, alone.triples[k])), duration=data.problem.horizon)
-        assert run.J == pytest.approx(alone.J[k], abs=1e-9)
+        assert pytest.approx(alone.J[k], abs=1e-9) == run.J
     score = judge.evaluation.score(fixed)
     assert score.mean == pytest.approx(float((fixed.J / data.J[:4] - 1).mean()))
     assert score.beats_fixed == 0.0

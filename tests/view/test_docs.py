@@ -67,7 +67,7 @@ def environment() -> dict[str, str]:
 
 def shell(code: str) -> list[str]:
     """A shell that stops at the first command that fails and finds `psp` whether it is installed or not."""
-    psp = f'psp() {{ "{sys.executable}" -m psp_cli "$@"; }}'
+    psp = f'psp() {{ "{sys.executable}" -m psp_cli "$@"; }}; python() {{ "{sys.executable}" "$@"; }}'
     return ["bash", "-euc", f"{psp}\n{code}"]
 
 

@@ -248,5 +248,6 @@ class Plots {
   });
   plots = new Plots(data, road);
   window.psp = { data, road, plots };
+  performance.mark("ready");
   document.documentElement.dataset.ready = "yes";
 })();

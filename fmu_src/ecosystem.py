@@ -1,0 +1,239 @@
+"""Files around an FMU that other tools ask for: SSP with parameter sets, cross-check files, FMI-LS-REF.
+
+`python -m fmu_src.ecosystem FMU FOLDER` writes Platoon.ssp, scenario1.ssv, scenario2.ssv, NAME_in.csv, NAME_ref.csv and
+NAME_ref.opt for an FMU of ours.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from io import StringIO
+from pathlib import Path
+from typing import Any
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+import numpy as np
+from fmpy import read_model_description, simulate_fmu
+
+from psp_model import ModelError, ObjectiveWeights, PlatoonState, Sampling, simulate
+from psp_model.choose import ParameterSource, Request, choose_potential
+from psp_model.network import ParameterNetwork
+
+from .packing import write_fmu
+from .variables import Variable, platoon_table
+
+_SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
+_SSV = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
+_SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
+_LS = "http://fmi-standard.org/fmi-ls-manifest"
+LS_REF = "extra/org.fmi-standard.fmi-ls-ref"
+STOP_TIME, STEP_SIZE = 20.0, 0.01  # [s]
+SCENARIOS: Mapping[str, Mapping[str, float]] = {  # the paper's, from the start values of the table
+    "scenario1": {"potential": 1, "lemma1_policy": 1},
+    "scenario2": {"potential": 2, "lemma1_policy": 1},
+}
+
+
+def _xml(root: Element) -> bytes:
+    indent(root)
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8") + b"\n"
+
+
+def _parameter_set(name: str, values: Mapping[str, float], integers: set[str], prefix: str = "") -> Element:
+    attributes = {"version": "1.0", "name": name}
+    root = Element("ssv:ParameterSet", attributes | {"xmlns:ssv": _SSV})
+    parameters = SubElement(root, "ssv:Parameters")
+    for parameter, value in values.items():
+        entry = SubElement(parameters, "ssv:Parameter", name=prefix + parameter)
+        if parameter in integers:
+            SubElement(entry, "ssv:Integer", value=str(int(value)))
+        else:
+            SubElement(entry, "ssv:Real", value=repr(float(value)))
+    return root
+
+
+def scenario_values(table: Sequence[Variable], scenario: str) -> dict[str, float]:
+    """All start values of a scenario: the table's, with what the scenario changes.
+
+    Parameters
+    ----------
+    table : the variables
+    scenario : name in SCENARIOS
+    """
+    return {row.name: row.start for row in table if row.start is not None} | dict(SCENARIOS[scenario])
+
+
+def parameter_files(table: Sequence[Variable]) -> dict[str, bytes]:
+    """scenario1.ssv and scenario2.ssv by name (SSP 1.0 parameter sets).
+
+    Parameters
+    ----------
+    table : the variables
+    """
+    integers = {row.name for row in table if row.integer}
+    return {f"{name}.ssv": _xml(_parameter_set(name, scenario_values(table, name), integers)) for name in SCENARIOS}
+
+
+def system_structure(table: Sequence[Variable], fmu: str) -> bytes:
+    """SystemStructure.ssd: one component with connectors and both scenarios as parameter sets of its own.
+
+    Parameters
+    ----------
+    table : the variables
+    fmu : file name of the FMU in resources/
+    """
+    namespaces = {"xmlns:ssd": _SSD, "xmlns:ssc": _SSC}
+    root = Element("ssd:SystemStructureDescription", namespaces | {"version": "1.0", "name": "Platoon"})
+    system = SubElement(root, "ssd:System", name="Platoon")
+    elements = SubElement(system, "ssd:Elements")
+    kind = "application/x-fmu-sharedlibrary"
+    component = SubElement(elements, "ssd:Component", name="platoon", source=f"resources/{fmu}", type=kind)
+    connectors = SubElement(component, "ssd:Connectors")
+    for row in table:
+        connector = SubElement(connectors, "ssd:Connector", name=row.name, kind=row.causality)
+        SubElement(connector, f"ssc:{row.fmi_type}")
+    bindings = SubElement(component, "ssd:ParameterBindings")
+    integers = {row.name for row in table if row.integer}
+    for name, values in SCENARIOS.items():
+        value = SubElement(SubElement(bindings, "ssd:ParameterBinding"), "ssd:ParameterValues")
+        value.append(_parameter_set(name, values, integers))
+    experiment = SubElement(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(STOP_TIME))
+    experiment.tail = "\n"
+    return _xml(root)
+
+
+def write_ssp(fmu: Path, path: Path) -> Path:
+    """A flat .ssp with the platoon and its parameter sets.
+
+    Parameters
+    ----------
+    fmu : an FMU of ours
+    path : of the .ssp
+    """
+    table = _table(fmu)
+    files = {"SystemStructure.ssd": system_structure(table, fmu.name), f"resources/{fmu.name}": fmu.read_bytes()}
+    files |= {f"resources/{name}": content for name, content in parameter_files(table).items()}
+    write_fmu(path, files)
+    return path
+
+
+def _table(fmu: Path) -> tuple[Variable, ...]:
+    """The table that an FMU was built from."""
+    model = read_model_description(str(fmu), validate=False)
+    starts = {variable.name: variable.start for variable in model.modelVariables}
+    vehicles = sum(name.startswith("v_start[") for name in starts)
+    return platoon_table(vehicles, int(starts["parameter_source"]))
+
+
+def _csv(names: Sequence[str], rows: Any, number: str = "%.17g") -> str:
+    text = StringIO()
+    text.write(",".join(f'"{name}"' for name in names) + "\n")
+    np.savetxt(text, rows, delimiter=",", fmt=number)
+    return text.getvalue()
+
+
+def write_cross_check(fmu: Path, folder: Path) -> list[Path]:
+    """The three files of the FMI project's cross-check for the default start: inputs, 10 outputs, options.
+
+    Parameters
+    ----------
+    fmu : an FMU of ours
+    folder : where they go
+
+    Returns
+    -------
+    the files
+    """
+    n = sum(row.name.startswith("v_start[") for row in _table(fmu))
+    names = [f"x[{n}]", "v[1]", f"v[{n}]", "a[1]", f"a[{n}]", "s[2]", f"s[{n}]", "T_max", "J_acceleration", "J_gap"]
+    result = simulate_fmu(str(fmu), stop_time=STOP_TIME, step_size=STEP_SIZE, output_interval=0.1, output=names)
+    rows = np.column_stack([result[name] for name in ("time", *names)])
+    options = {"StartTime": 0.0, "StopTime": STOP_TIME, "StepSize": STEP_SIZE, "RelTol": 1e-6}
+    contents = {
+        "in.csv": '"time"\n0\n',
+        "ref.csv": _csv(["time", *names], rows),
+        "ref.opt": "".join(f"{name},{value!r}\n" for name, value in options.items()),
+    }
+    paths = [folder / f"{fmu.stem}_{ending}" for ending in contents]
+    for path, content in zip(paths, contents.values(), strict=True):
+        path.write_text(content, encoding="utf-8")
+    return paths
+
+
+def layered_standard(table: Sequence[Variable], references: Mapping[str, str]) -> dict[str, bytes]:
+    """FMI-LS-REF: the manifest, the experiments, their parameter sets and reference results, by name in the FMU.
+
+    Parameters
+    ----------
+    table : the variables
+    references : CSV text by scenario
+    """
+    manifest = Element("fmiReferences", {"xmlns:fmi-ls": _LS, "fmi-ls:fmi-ls-name": "org.fmi-standard.fmi-ls-ref"})
+    manifest.set("fmi-ls:fmi-ls-version", "1.0.0-alpha.1")
+    about = "Layered Standard providing information on related files included in an FMU."
+    manifest.set("fmi-ls:fmi-ls-description", about)
+    experiments = Element("Experiments", name="The paper's scenarios")
+    times = {"startTime": "0.0", "stopTime": repr(STOP_TIME), "stepSize": repr(STEP_SIZE)}
+    found = {f"{LS_REF}/{name}": content for name, content in parameter_files(table).items()}
+
+    def related(source: str, role: str, kind: str) -> None:
+        SubElement(manifest, "Related", type=kind, source=source, role=role)
+
+    related("experiments.xml", "experiment", "application/xml")
+    for name, text in references.items():
+        experiment = SubElement(experiments, "Experiment", {"name": name} | times)
+        SubElement(experiment, "Parameters", source=f"{name}.ssv")
+        SubElement(experiment, "References", source=f"{name}_ref.csv")
+        related(f"{name}.ssv", "parameter", "application/x-ssp-parameter-set")
+        related(f"{name}_ref.csv", "result", "text/csv")
+        found[f"{LS_REF}/{name}_ref.csv"] = text.encode()
+    found[f"{LS_REF}/experiments.xml"] = _xml(experiments)
+    return found | {f"{LS_REF}/fmi-ls-manifest.xml": _xml(manifest)}
+
+
+def reference_results(table: Sequence[Variable], network: ParameterNetwork | None) -> dict[str, str]:
+    """What both scenarios give, from psp_model and without FMI: CSV text by scenario, a row every 0.1 s.
+
+    Parameters
+    ----------
+    table : the variables
+    network : for this number of vehicles, None if there is none
+
+    Returns
+    -------
+    CSV text by scenario; a scenario that Lemma 1 does not certify for this number of vehicles is left out
+    """
+    found = {}
+    for name in SCENARIOS:
+        values = scenario_values(table, name)
+        gaps = np.array([value for key, value in values.items() if key.startswith("s_start[")])
+        speeds = np.array([value for key, value in values.items() if key.startswith("v_start[")])
+        start = PlatoonState(gaps, speeds)
+        source = ParameterSource(int(values["parameter_source"]))
+        request = Request(old=values["potential"] == 1, source=source)
+        shape = choose_potential(start, request, network, ObjectiveWeights(), Sampling(), lambda sentence: None)
+        try:
+            run = simulate(start, shape, duration=STOP_TIME, output_step=0.1)
+        except ModelError:
+            continue
+        n = speeds.size
+        names = ["time", f"x[{n}]", "v[1]", f"v[{n}]", f"a[{n}]", "s[2]", f"s[{n}]", "T_max", "J"]
+        columns = [run.time, run.x[:, -1], run.v[:, 0], run.v[:, -1], run.a[:, -1], run.s[:, 0], run.s[:, -1]]
+        found[name] = _csv(names, np.column_stack([*columns, run.T_max, run.cost.sum(axis=1)]), "%.10g")
+    return found
+
+
+def main(fmu: Path, folder: Path) -> list[Path]:
+    """Write everything for an FMU and say what was written."""
+    folder.mkdir(parents=True, exist_ok=True)
+    written = [write_ssp(fmu, folder / "Platoon.ssp"), *write_cross_check(fmu, folder)]
+    for name, content in parameter_files(_table(fmu)).items():
+        written.append(folder / name)
+        written[-1].write_bytes(content)
+    print(*written, sep="\n")
+    return written
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), Path(sys.argv[2]))
