@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from psp_model.controller import choose_for_any_number
+from psp_model.choose import choose_for_any_number
 from psp_model.membership import OpenPlatoon, Refusal
 from psp_model.network import ParameterNetwork
 from psp_model.parameters import PotentialParameters

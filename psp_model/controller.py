@@ -9,7 +9,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from .choose import ParameterSource, Request, choose_potential, outside_domain
+from .choose import Request, choose_for_any_number
 from .errors import ModelError
 from .feasible import require_feasible
 from .feedback import feedback
@@ -17,7 +17,6 @@ from .lemma1 import largest_period
 from .network import ParameterNetwork
 from .parameters import V_OLD, ObjectiveWeights, PlatoonParameters, PotentialParameters
 from .platoon import Lemma1Policy, Sampling
-from .state import PlatoonState
 
 Vector = NDArray[np.float64]
 
@@ -237,46 +236,3 @@ class SampledController:
 def _outside(name: str, vehicle: int, value: float, unit: str, error: ModelError) -> ModelError:
     """What to say of a measurement: `error`, or that it is not a finite number."""
     return error if np.isfinite(value) else ModelError("finite", f"{name}[{vehicle}]", value, unit)
-
-
-def choose_for_any_number(
-    s: Vector,
-    v: Vector,
-    constants: PlatoonParameters,
-    request: Request,
-    networks: Mapping[int, ParameterNetwork],
-    weights: ObjectiveWeights,
-    sampling: Sampling,
-    warn: Callable[[str], None],
-) -> tuple[PotentialParameters, bool]:
-    """The potential for however many vehicles there are; where there is no network for them, the fixed triple (ours).
-
-    Parameters
-    ----------
-    s, v : (n-1,) gaps [m] and (n,) speeds [m/s], n >= 1
-    constants, request, weights, sampling : as `choose_potential` takes them
-    networks : by number of vehicles
-    warn : called with one sentence where the fallback is used
-
-    Returns
-    -------
-    the potential, and whether a network's training domain holds the vehicles and the network was asked
-
-    Raises
-    ------
-    ModelError : as `choose_potential` does
-    """
-    n, fixed, network = v.size, request.fixed, networks.get(v.size)
-    if request.old:
-        return V_OLD, False
-    if n == 1 or request.source is ParameterSource.FIXED:  # a lone vehicle meets no potential
-        require_feasible(fixed, constants)
-        return fixed, False
-    if network is None:
-        require_feasible(fixed, constants)
-        reason = f"{n} vehicles, for which there is no network here"
-        warn(str(ModelError("fallback", reason, fixed.alpha, fixed.r, fixed.p)))
-        return fixed, False
-    start = PlatoonState(s, v, constants)
-    shape = choose_potential(start, request, network, weights, sampling, warn)
-    return shape, outside_domain(start, network.domain, network.constants) is None
