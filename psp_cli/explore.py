@@ -21,10 +21,6 @@ def explore(
     """
     if not 2 <= vehicles <= 30:
         raise BadInput(f"{vehicles} vehicles do not fit on the page: choose 2 to 30")
-    try:
-        from psp_view.explore.page import serve
-    except ModuleNotFoundError as error:
-        if error.name != "nicegui":
-            raise
-        raise BadInput("the explorer needs nicegui: install it with `pip install psp-platoon[explore]`") from None
+    from psp_view.explore.page import serve
+
     serve(vehicles, seed, port, show)

@@ -28,6 +28,9 @@ from . import (
 )
 from .bad_input import BadInput
 
+EXTRAS = {"matplotlib": "report", "nicegui": "explore", "jax": "offline", "optax": "offline", "pyarrow": "offline"}
+"""Which extra brings a package that the default install does without."""
+
 
 class Commands(TyperGroup):
     """All commands; bad input ends in one sentence on stderr and exit code 2, never in a traceback."""
@@ -36,6 +39,12 @@ class Commands(TyperGroup):
         """Run the command that was asked for."""
         try:
             return super().invoke(ctx)
+        except ModuleNotFoundError as error:
+            extra = EXTRAS.get((error.name or "").partition(".")[0])
+            if extra is None:
+                raise
+            typer.echo(f"psp: this needs {error.name}: install it with `pip install 'psp-platoon[{extra}]'`", err=True)
+            raise typer.Exit(2) from None
         except (BadInput, ValueError) as error:
             from psp_model.errors import ModelError
             from psp_model.offline.errors import OfflineError
