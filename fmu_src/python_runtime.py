@@ -213,9 +213,7 @@ def pack_slave(
         capabilities=("canGetAndSetFMUstate", "canSerializeFMUstate", "canNotUseMemoryManagementFunctions"),
     )
     packed = dict(more or {}) | _fixed_files(name, networks)
-    packed |= {
-        "documentation/index.html": index_page(component, config["vehicles"], table, notes)
-    }
+    packed |= {"documentation/index.html": index_page(component, config["vehicles"], table, notes)}
     sources = _model_sources(name)
     digest = content_digest(packed | sources | {"table": repr((component, table)).encode()})
     packed |= _generated_files(component, table, config, digest) | _renamed(sources, digest[:12])
