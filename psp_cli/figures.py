@@ -61,9 +61,12 @@ def _makers(cases: list[Case]) -> dict[str, Callable[[str], Any]]:
 
 def _landscape(cases: list[Case], command: str) -> Any:
     """The landscape from the first case's start, with what the cases chose on it."""
-    from psp_view.landscape import draw_landscape, landscape
+    from psp_view.landscape import draw_landscape, landscape, optimum
 
     setup = cases[0].setup
     scene = landscape(setup.start, weights=setup.weights, T=setup.sampling.T)
-    choices = {case.name: (case.shape, case.run.J) for case in cases if not case.setup.request.old}
+    best = optimum(setup.start, scene, setup.weights, setup.sampling.T)
+    choices = {"best found": best} | {
+        case.name: (case.shape, case.run.J) for case in cases if not case.setup.request.old
+    }
     return draw_landscape(scene, choices, command)

@@ -102,7 +102,7 @@ def _train(
                 data, candidates, ranking_hidden, seed, files.checkpoint("ranking"), watch
             )
         curves(ranking.fit.history, ranking.fit.best_epoch, files.picture("ranking"), command, "cross entropy")
-    origin = Provenance(data.problem, data.domain, recipe.name, data.sha256, command)
+    origin = Provenance(data.problem, data.domain, recipe.name, data.sha256, command, seed, data.command)
     write_network(files.output, parameters.layers, origin, ranking and ranking.layers, dictionary)
     check_export(files.output, data, parameters, ranking)
 

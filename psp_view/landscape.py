@@ -20,6 +20,7 @@ from psp_model.state import PlatoonState
 from .style import RC, caption, colours, new_figure
 
 _WORST = 30.0  # [%] the colours end here
+_REFINED, _ROUNDS, _FINER = 4, 3, 7  # points that are refined at a time, how often, and points per side
 MARKERS = ("*", "o", "s", "D", "^", "v", "P")
 
 
@@ -74,21 +75,76 @@ def landscape(
     r = np.linspace(constants.L, constants.lam - HILL_WIDTH, points + 1)[1:]
     p = np.linspace(P_MIN, P_MAX, points)
     grid = [PotentialParameters(alpha, float(column), float(row)) for row in p for column in r]
-    feasible = np.array([slope_within_limit(shape, constants) for shape in grid])
-    candidates = [shape for shape, inside in zip(grid, feasible, strict=True) if inside]
-    costs, certified = rollout_costs(start, candidates, weights or ObjectiveWeights(), Sampling(T), horizon)
-    J = np.full(len(grid), np.nan)
-    J[feasible] = np.where(certified, costs, np.nan)
+    J = _costs(start, grid, weights or ObjectiveWeights(), T, horizon)
     return Landscape(alpha, r, p, J.reshape(points, points))
 
 
+def _costs(
+    start: PlatoonState, shapes: list[PotentialParameters], weights: ObjectiveWeights, T: float, horizon: float
+) -> NDArray[np.float64]:
+    """J of each triple, NaN where it is not feasible or T not certified throughout."""
+    feasible = np.array([slope_within_limit(shape, start.constants) for shape in shapes])
+    candidates = [shape for shape, inside in zip(shapes, feasible, strict=True) if inside]
+    J = np.full(len(shapes), np.nan)
+    if candidates:
+        costs, certified = rollout_costs(start, candidates, weights, Sampling(T), horizon)
+        J[feasible] = np.where(certified, costs, np.nan)
+    return J
+
+
+def optimum(
+    start: PlatoonState,
+    scene: Landscape,
+    weights: ObjectiveWeights | None = None,
+    T: float = 0.01,
+    horizon: float = HORIZON,
+) -> tuple[PotentialParameters, float]:
+    """The best triple found at the landscape's alpha: finer and finer grids around its best points (ours).
+
+    Parameters
+    ----------
+    start, weights, T, horizon : those of the landscape
+    scene : the landscape
+
+    Returns
+    -------
+    triple and its J
+    """
+    constants = start.constants
+    order = np.argsort(scene.J, axis=None)[:_REFINED]  # NaN comes last
+    rows, columns = np.unravel_index(order, scene.J.shape)
+    best = scene.best
+    J_best = float(np.nanmin(scene.J))
+    centres = [(float(scene.r[column]), float(scene.p[row])) for row, column in zip(rows, columns, strict=True)]
+    width = np.array([scene.r[1] - scene.r[0], scene.p[1] - scene.p[0]])
+    for _ in range(_ROUNDS):
+        steps = np.linspace(-1.0, 1.0, _FINER)
+        places = {
+            (
+                float(np.clip(r + width[0] * i, constants.L + 1e-9, constants.lam - HILL_WIDTH)),
+                float(np.clip(p + width[1] * j, P_MIN, P_MAX)),
+            )
+            for r, p in centres
+            for i in steps
+            for j in steps
+        }
+        shapes = [PotentialParameters(scene.alpha, r, p) for r, p in sorted(places)]
+        J = _costs(start, shapes, weights or ObjectiveWeights(), T, horizon)
+        order = np.argsort(J)[:_REFINED]
+        centres = [(shapes[k].r, shapes[k].p) for k in order.tolist()]
+        if J[order[0]] < J_best:
+            best, J_best = shapes[order[0]], float(J[order[0]])
+        width = width / (_FINER // 2)
+    return best, J_best
+
+
 def draw_landscape(scene: Landscape, choices: Mapping[str, tuple[PotentialParameters, float]], command: str) -> Figure:
-    """The landscape as excess over its minimum, with the optimum of the grid and other choices on it.
+    """The landscape as excess over its minimum, with choices on it.
 
     Parameters
     ----------
     scene : the landscape
-    choices : triples and their J by name
+    choices : triples and their J by name, the first marked by a star
     command : the command that makes this very picture, for the caption
 
     Returns
@@ -98,7 +154,7 @@ def draw_landscape(scene: Landscape, choices: Mapping[str, tuple[PotentialParame
     lowest = float(np.nanmin(scene.J))
     excess = 100.0 * (scene.J / lowest - 1.0)
     beyond = "max" if np.nanmax(excess) > _WORST else "neither"
-    marks = {"best of the grid": (scene.best, lowest), **choices}
+    marks = choices
     with matplotlib.rc_context(RC | {"axes.grid": False}):
         figure = new_figure(8.0, 5.2)
         axes = figure.subplots()
@@ -112,12 +168,12 @@ def draw_landscape(scene: Landscape, choices: Mapping[str, tuple[PotentialParame
                 shape.p,
                 marker,
                 color=colour,
-                markersize=13 if marker == "*" else 8,
+                markersize=11 if marker == "*" else 9,
                 markeredgecolor="white",
                 label=label,
                 linestyle="",
                 clip_on=False,
-                zorder=5,
+                zorder=6 if marker == "*" else 5,  # the star stays in sight where marks coincide
             )
         axes.set(xlabel="r [m]", ylabel="p [1]", xlim=(scene.r[0], scene.r[-1]), ylim=(scene.p[0], scene.p[-1]))
         figure.legend(loc="outside upper center", ncols=2)

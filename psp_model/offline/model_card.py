@@ -11,17 +11,18 @@ _TEXT = """# {name}
 Gives alpha, r, p of the potential for a platoon of {vehicles} vehicles from its initial gaps and speeds.
 
 - **Recipe** `{recipe}`; layers {layers}{ranking}.
-- **Made by** `{made}`
-- **Data** SHA-256 `{data}` (hash of the content, in the Parquet file's metadata too).
+- **Made by** `{made}`, seed {seed}
+- **Data** `{data_command}`, SHA-256 of the content `{data}`.
 - **Trained for** starts with {domain} (m, m/s, s), objective {objective}.
 - **Input** `initial_condition` float32 [batch, {columns}]: s_2..s_n [m], v_1..v_n [m/s]; **output** `parameters`
   float32 [batch, 3]: alpha [1], r [m], p [1], to be projected into the feasible set. All scaling is in the weights.
 
 ## On the road
 
-Closed-loop regret J/J* - 1 on {starts} starts that it was not trained on (data SHA-256 `{held}`), J* from the global
-search. MSE is against the global optima, parameters scaled to [0, 1] by their bounds. {outside:.1%} of the starts lie
-outside the training domain.
+Closed-loop regret J/J* - 1 on the first {starts} starts of `{held_command}`
+(SHA-256 `{held}`), none of them trained on; J* from the global search.
+MSE is against the global optima, parameters scaled to [0, 1] by their bounds.
+{outside:.1%} of the starts lie outside the training domain.
 
 {table}
 
@@ -61,12 +62,15 @@ def write_card(path: Path, evaluation: Evaluation, command: str) -> Path:
         layers=_chain(widths["parameters"]),
         ranking=ranking,
         made=about["psp_command"],
+        seed=about["psp_seed"],
         data=about["psp_data_sha256"],
+        data_command=about["psp_data_command"],
         domain=about["psp_domain"],
         objective=about["psp_objective"],
         columns=2 * int(about["psp_vehicles"]) - 1,
         starts=len(evaluation.data.J),
         held=evaluation.data.sha256,
+        held_command=evaluation.data.command,
         outside=evaluation.out_of_domain.get(path.stem, 0.0),
         table=as_markdown(evaluation.scores),
         command=command,

@@ -28,6 +28,8 @@ class Provenance:
     recipe : how
     data_sha256 : content hash of the data set
     command : the command that made it
+    seed : of its training
+    data_command : the command that makes the data set
     """
 
     problem: Problem
@@ -35,6 +37,8 @@ class Provenance:
     recipe: str
     data_sha256: str
     command: str
+    seed: int = 0
+    data_command: str = ""
 
     def entries(self) -> dict[str, str]:
         """The metadata as ONNX keeps it."""
@@ -48,6 +52,8 @@ class Provenance:
             "psp_data_sha256": self.data_sha256,
             "psp_recipe": self.recipe,
             "psp_command": self.command,
+            "psp_seed": str(self.seed),
+            "psp_data_command": self.data_command,
         }
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -39,6 +39,7 @@ class Dataset:
     problem, domain, effort : what was solved, from where, how
     sha256 : hash of the whole content
     failures : how many starts of the file could not be solved
+    command : that makes it
     """
 
     starts: Array
@@ -50,6 +51,7 @@ class Dataset:
     effort: str
     sha256: str
     failures: int
+    command: str
 
     def first(self, count: int | None) -> Dataset:
         """The first `count` starts, all where it is None; the hash stays that of the whole."""
@@ -191,15 +193,6 @@ def _dataset(plan: dict[str, Any], columns: dict[str, Array], errors: list[str],
         grid = Search(problem, EFFORTS[plan["effort"]]).grid
         tables = rows["table"].reshape(-1, grid.r.size, grid.level.size)
     failures = int((~solved).sum())
-    return Dataset(starts, triples, rows["J"], tables, problem, domain, plan["effort"], sha256, failures)
-
-
-def dataset_summary(dataset: Dataset) -> dict[str, Any]:
-    """What a model card says of a data set."""
-    return {
-        "starts": len(dataset.J),
-        "failures": dataset.failures,
-        "effort": dataset.effort,
-        "sha256": dataset.sha256,
-        "domain": asdict(dataset.domain),
-    }
+    command = " ".join(f"--{name} {plan[name]}" for name in ("starts", "seed", "effort"))
+    command = f"psp dataset --vehicles {problem.vehicles} {command}"
+    return Dataset(starts, triples, rows["J"], tables, problem, domain, plan["effort"], sha256, failures, command)

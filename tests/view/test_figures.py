@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from psp_model import BEST_FIXED, V_OLD, PlatoonParameters, PlatoonState, StartDomain, simulate
+from psp_model import BEST_FIXED, V_OLD, PlatoonParameters, PlatoonState, StartDomain, require_feasible, simulate
 from psp_model.parameters import PotentialParameters
-from psp_view.landscape import draw_landscape, landscape
+from psp_view.landscape import draw_landscape, landscape, optimum
 from psp_view.motion import closing_speeds, moving_frame
 from psp_view.potentials import BASE, VARIED, curve, draw_potentials, family, hill
 from psp_view.runs import draw_runs, save_runs
@@ -119,7 +119,14 @@ def test_the_landscape_is_j_of_single_runs_and_its_optimum_beats_the_fixed_choic
     shape = PotentialParameters(scene.alpha, float(scene.r[column]), float(scene.p[row]))
     assert scene.J[row, column] == pytest.approx(simulate(start(1), shape).J, rel=1e-9)
     assert np.isnan(scene.J[-1]).all()  # p = 9 is never feasible
-    figure = draw_landscape(scene, {"fixed": (BEST_FIXED, simulate(start(1), BEST_FIXED).J)}, "psp figures")
+    found, cost = optimum(start(1), scene)
+    assert cost <= np.nanmin(scene.J)
+    again = simulate(start(1), found).J
+    assert again == pytest.approx(cost, rel=1e-9)
+    require_feasible(found, PAPER)
+    figure = draw_landscape(
+        scene, {"best found": (found, cost), "fixed": (BEST_FIXED, simulate(start(1), BEST_FIXED).J)}, "psp figures"
+    )
     assert "fixed: J = " in figure.legends[0].get_texts()[1].get_text()
 
 

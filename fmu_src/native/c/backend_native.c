@@ -104,24 +104,25 @@ fmi2Status backend_do_step(Backend *backend, double from, double size)
 /* outputs */
 
 /* The instant that belongs to the communication point: `now`, or `between` filled with the exact polynomial. */
-static const Instant *observed(const Model *model, Instant *between)
+static const Instant *observed(Backend *backend)
 {
+    const Model *model = &backend->model;
     const Platoon *platoon = &model->platoon;
     const double fraction = model->fraction - platoon->now.fraction;
     const double tau = ((double)(model->period - platoon->now.period) + fraction) * platoon->T;
     if (tau == 0.0) return &platoon->now;
-    *between = platoon->now;
-    platoon_pass(platoon, between, tau);
-    return between;
+    backend->between = platoon->now;
+    platoon_pass(platoon, &backend->between, tau);
+    return &backend->between;
 }
 
 /* Where an output stands among the outputs. */
 #define AT(reference) ((reference) - PSP_FIRST_OUTPUT)
 
-void native_put_out(const Model *model, double *outputs)
+void native_put_out(Backend *backend, double *outputs)
 {
-    Instant between;
-    const Instant *seen = observed(model, &between);
+    const Model *model = &backend->model;
+    const Instant *seen = observed(backend);
     const Platoon *platoon = &model->platoon;
     double x = seen->x;
     outputs[AT(PSP_x)] = x;
@@ -146,7 +147,7 @@ bool native_refresh(Backend *backend)
     Model *model = &backend->model;
     if (!model->has_platoon && !model->initialising) return true; /* nothing to show yet */
     if (!model->has_platoon && !native_initialise(backend)) return false;
-    native_put_out(model, model->values + PSP_FIRST_OUTPUT);
+    native_put_out(backend, model->values + PSP_FIRST_OUTPUT);
     model->stale = 0;
     return true;
 }

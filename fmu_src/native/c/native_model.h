@@ -20,6 +20,7 @@ typedef struct {
 struct Backend {
     Front *front;
     Model model;
+    Instant between; /* what outputs between two sampling instants are computed in: no room on a stack for many vehicles */
 };
 
 extern const char *const PSP_VARIABLE_NAMES[PSP_COUNT];
@@ -28,7 +29,7 @@ extern const char *const PSP_VARIABLE_NAMES[PSP_COUNT];
 bool native_initialise(Backend *backend);
 
 /* Writes all outputs, in the order of their references; there must be a platoon. */
-void native_put_out(const Model *model, double *outputs);
+void native_put_out(Backend *backend, double *outputs);
 
 /* Brings the outputs in `values` up to date; false on failure, which has been logged. */
 bool native_refresh(Backend *backend);

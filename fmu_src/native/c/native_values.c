@@ -22,7 +22,7 @@ fmi2Status backend_get_real(Backend *backend, const fmi2ValueReference vr[], siz
     const Model *model = &backend->model;
     const double *values = model->values;
     if (model->has_platoon && are_all_outputs(vr, count)) {
-        native_put_out(model, value); /* without a stop in `values` */
+        native_put_out(backend, value); /* without a stop in `values` */
         return fmi2OK;
     }
     if (model->stale && !native_refresh(backend)) return fmi2Error;
