@@ -10,7 +10,7 @@ import numpy as np
 
 from psp_model import ObjectiveWeights, PlatoonState, Sampling, StartDomain
 from psp_model.network import ParameterNetwork
-from psp_model.rollout import best_by_rollout
+from psp_model.rollout import best_by_rollout, share_rollouts
 
 COUNTS = (1, 2, 4, 8, 16, 32)
 REPEATS = 5
@@ -27,8 +27,9 @@ def main() -> dict[str, float]:
         seconds = []
         for _ in range(REPEATS):
             begin = time.perf_counter()
-            candidates = network.candidates(start.s, start.v, count)
-            best_by_rollout(start, candidates, ObjectiveWeights(), Sampling(), 20.0)
+            first, rounds = share_rollouts(count)
+            candidates = network.candidates(start.s, start.v, first)
+            best_by_rollout(start, candidates, ObjectiveWeights(), Sampling(), 20.0, rounds)
             seconds.append(time.perf_counter() - begin)
         result[f"{count} rollouts"] = min(seconds)
         print(f"{count:3d} rollouts {1e3 * min(seconds):8.1f} ms")

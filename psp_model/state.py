@@ -117,5 +117,3 @@ class StartDomain:
     def as_dict(self) -> dict[str, float]:
         """The bounds by name, for metadata."""
         return asdict(self)
-
-
