@@ -9,6 +9,8 @@ from pathlib import Path
 from fmu_src.python_runtime import NetworkFile, build_python_fmu, network_for
 from psp_model import ModelError
 
+COMPONENTS = ["platoon", "open-platoon", "controller", "plant", "leader"]
+
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:
     """The command line.
@@ -19,6 +21,9 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     """
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--vehicles", type=int, default=7, metavar="N", help="vehicles, at least 2 (7)")
+    text = "platoon: the closed loop; open-platoon: the loop with vehicles that join and leave; controller: for "
+    text += "other vehicles; plant: ideal vehicles; leader: a speed profile (platoon)"
+    parser.add_argument("--component", choices=COMPONENTS, default="platoon", help=text)
     parser.add_argument("--output", type=Path, default=Path("dist"), metavar="DIR", help="folder to write to (dist)")
     parser.add_argument("--runtime", choices=["python", "native"], default="python", help="of the FMU (python)")
     text = "native: libraries for this machine, or for Linux, Windows and macOS (host)"
@@ -48,6 +53,41 @@ def build(options: argparse.Namespace, network: NetworkFile | None) -> Path:
     return build_native_fmu(options.vehicles, options.output, chosen_platforms(options.platforms), network)
 
 
+def build_for_traffic(options: argparse.Namespace) -> int:
+    """Build one of the components for traffic and say so.
+
+    Parameters
+    ----------
+    options : from `parse`
+
+    Returns
+    -------
+    exit code
+
+    Raises
+    ------
+    RuntimeError : where an option does not apply
+    """
+    from fmu_src.traffic_runtime import (
+        build_controller_fmu,
+        build_leader_fmu,
+        build_open_platoon_fmu,
+        build_plant_fmu,
+    )
+
+    if options.runtime == "native" or options.network:
+        raise RuntimeError(f"--component {options.component} takes neither --runtime native nor --network")
+    makers = {
+        "open-platoon": build_open_platoon_fmu,
+        "controller": build_controller_fmu,
+        "plant": build_plant_fmu,
+        "leader": build_leader_fmu,
+    }
+    path = makers[options.component](options.vehicles, options.output)
+    print(f"{path}: {options.vehicles} vehicles, {path.stat().st_size / 1024:.0f} KiB")
+    return 0
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Build what the command line asks for and say what was built.
 
@@ -59,6 +99,8 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if options.vehicles < 2:
             raise ModelError("vehicles", options.vehicles)
+        if options.component != "platoon":
+            return build_for_traffic(options)
         network = network_for(options.vehicles, options.network)
         path = build(options, network)
     except (ModelError, OSError, RuntimeError) as error:

@@ -72,8 +72,9 @@ def _scalar_variable(parent: Element, reference: int, variable: Variable) -> Non
         "description": variable.description,
         "causality": variable.causality,
         "variability": variable.variability,
-        "initial": variable.initial,
     }
+    if variable.initial is not None:
+        attributes["initial"] = variable.initial
     kind = {} if variable.integer else {"unit": variable.unit}
     bounds = {"min": variable.minimum, "max": variable.maximum, "nominal": variable.nominal, "start": variable.start}
     kind |= {name: _number(value, variable.integer) for name, value in bounds.items() if value is not None}
@@ -81,7 +82,7 @@ def _scalar_variable(parent: Element, reference: int, variable: Variable) -> Non
 
 
 def _model_structure(root: Element, table: Sequence[Variable]) -> None:
-    """Outputs depend on no input; their initial values depend on the parameters that the table names."""
+    """Outputs depend on the inputs that the table names, their initial values also on the parameters that it names."""
     structure = SubElement(root, "ModelStructure")
     outputs, unknowns = SubElement(structure, "Outputs"), SubElement(structure, "InitialUnknowns")
     index = {variable.name: place for place, variable in enumerate(table, start=1)}
@@ -90,9 +91,10 @@ def _model_structure(root: Element, table: Sequence[Variable]) -> None:
         if variable.causality != "output":
             continue
         known = parameters if variable.initial_dependencies is None else variable.initial_dependencies
-        place = str(index[variable.name])
-        SubElement(outputs, "Unknown", index=place, dependencies="")
-        SubElement(unknowns, "Unknown", index=place, dependencies=" ".join(str(index[name]) for name in known))
+        place, inputs = str(index[variable.name]), sorted(index[name] for name in variable.dependencies)
+        at_start = sorted({*inputs, *(index[name] for name in known)})
+        SubElement(outputs, "Unknown", index=place, dependencies=" ".join(map(str, inputs)))
+        SubElement(unknowns, "Unknown", index=place, dependencies=" ".join(map(str, at_start)))
 
 
 def model_description(component: Component, table: Sequence[Variable]) -> bytes:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import distribution, version
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 import psp_model
 from psp_model.network import ParameterNetwork
@@ -16,14 +18,38 @@ from .documentation import index_page
 from .ecosystem import layered_standard, reference_results
 from .model_description import Component, model_description
 from .packing import content_digest, guid_of, write_fmu
-from .platoon_slave import CONFIG
+from .table_slave import CONFIG
 from .variables import Variable, platoon_table
 
 NAME = "PspPlatoon"
 DESCRIPTION = (
     "A platoon of automated vehicles on one lane, under sampled feedback from performance-sensitive potentials"
 )
-_SLAVE_FILES = ("__init__.py", "variables.py", "slave_state.py", "platoon_slave.py")
+NEEDS = (
+    "Needs from outside: a 64-bit Python 3.11 or later with numpy and onnxruntime (resources/requirements.txt), on "
+    "Linux or Windows: a Python host lends its own, other hosts find the python3 that is first on PATH."
+)
+_SLAVE_FILES = {
+    "PspPlatoon": ("__init__.py", "variables.py", "slave_state.py", "table_slave.py", "platoon_slave.py"),
+    "PspController": (
+        "__init__.py",
+        "variables.py",
+        "table_slave.py",
+        "controller_variables.py",
+        "controller_slave.py",
+    ),
+    "PspOpenPlatoon": (
+        "__init__.py",
+        "variables.py",
+        "slave_state.py",
+        "table_slave.py",
+        "platoon_slave.py",
+        "open_variables.py",
+        "open_slave.py",
+    ),
+    "PspLeader": ("__init__.py", "variables.py", "table_slave.py", "controller_variables.py", "leader_slave.py"),
+    "PspPlant": ("__init__.py", "variables.py", "table_slave.py", "controller_variables.py", "plant_slave.py"),
+}
 _LAUNCHERS = {"linux64": "psp_launcher.so", "win64": "psp_launcher.dll"}
 _OWN_IMPORT = re.compile(r"^(\s*(?:from|import) )(psp_model|fmu_src)\b", re.MULTILINE)
 
@@ -33,7 +59,7 @@ _SCRIPT = '''"""Where pythonfmu finds the slave."""
 
 import ctypes
 
-from fmu_src_{suffix}.platoon_slave import PspPlatoon
+from fmu_src_{suffix}.{module} import {name}
 
 ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 '''
@@ -79,11 +105,11 @@ def network_for(vehicles: int, path: Path | None = None) -> NetworkFile | None:
     return NetworkFile(path.name, path.read_bytes(), network.domain.as_dict(), dict(vars(network.constants)), network)
 
 
-def _model_sources() -> dict[str, bytes]:
-    """The Python files of the model and of the slave, by name."""
+def _model_sources(name: str) -> dict[str, bytes]:
+    """The Python files of the model and of the slave of that name, by name."""
     model, slave = Path(psp_model.__file__).parent, Path(__file__).parent
     found = {f"psp_model/{path.name}": path.read_bytes() for path in sorted(model.glob("*.py"))}
-    return found | {f"fmu_src/{name}": (slave / name).read_bytes() for name in _SLAVE_FILES}
+    return found | {f"fmu_src/{file}": (slave / file).read_bytes() for file in _SLAVE_FILES[name]}
 
 
 def _renamed(sources: dict[str, bytes], suffix: str) -> dict[str, bytes]:
@@ -123,14 +149,10 @@ def _requirements() -> str:
 
 
 def _notes(vehicles: int, network: NetworkFile | None) -> list[str]:
-    needs = (
-        "Needs from outside: a 64-bit Python 3.11 or later with numpy and onnxruntime (resources/requirements.txt), on "
-        "Linux or Windows: a Python host lends its own, other hosts find the python3 that is first on PATH."
-    )
     if network is None:
-        return [f"There is no network for {vehicles} vehicles in this FMU, so parameter_source starts at 2.", needs]
+        return [f"There is no network for {vehicles} vehicles in this FMU, so parameter_source starts at 2.", NEEDS]
     bounds = ", ".join(f"{name} = {value:.10g}" for name, value in network.domain.items())
-    return [f"The network {network.name} in resources/ was trained on starts with {bounds} (m, m/s, s).", needs]
+    return [f"The network {network.name} in resources/ was trained on starts with {bounds} (m, m/s, s).", NEEDS]
 
 
 def build_python_fmu(vehicles: int, output: Path, network: NetworkFile | None) -> Path:
@@ -147,52 +169,81 @@ def build_python_fmu(vehicles: int, output: Path, network: NetworkFile | None) -
     path of the FMU
     """
     table = platoon_table(vehicles, default_source=1 if network else 2)
-    component = Component(
-        NAME,
-        DESCRIPTION,
-        version("psp-platoon"),
-        "",
-        capabilities=("canGetAndSetFMUstate", "canSerializeFMUstate", "canNotUseMemoryManagementFunctions"),
-    )
-    packed = _fixed_files(network) | {
-        "documentation/index.html": index_page(component, vehicles, table, _notes(vehicles, network))
-    }
-    packed |= layered_standard(table, reference_results(table, network.reader if network else None))
-    sources = _model_sources()
-    digest = content_digest(packed | sources | {"table": repr((component, table)).encode()})
-    packed |= _generated_files(component, table, vehicles, network, digest) | _renamed(sources, digest[:12])
-    path = output / f"{NAME}.fmu"
-    write_fmu(path, packed)
-    return path
-
-
-def _fixed_files(network: NetworkFile | None) -> dict[str, bytes]:
-    """Everything that is copied into the FMU as it is."""
-    here = Path(__file__).parent
-    found = _pythonfmu_files() | _licences()
-    for platform, library in _LAUNCHERS.items():
-        name = f"binaries/{platform}/{NAME}{Path(library).suffix}"
-        found[name] = (here / "launcher" / "binaries" / platform / library).read_bytes()
-    found["model.png"] = (here / "model.png").read_bytes()
-    found["resources/requirements.txt"] = _requirements().encode()
-    found["documentation/externalDependencies.txt"] = ("Python >= 3.11\n" + _requirements()).encode()
-    if network is not None:
-        found[f"resources/{network.name}"] = network.content
-    return found
-
-
-def _generated_files(
-    component: Component, table: tuple[Variable, ...], vehicles: int, network: NetworkFile | None, digest: str
-) -> dict[str, bytes]:
-    """Everything that names the content of the FMU."""
-    module = f"psp_platoon_{digest[:12]}"
     config = {
         "vehicles": vehicles,
         "default_source": 1 if network else 2,
         "network": network and {"file": network.name, "domain": network.domain, "constants": network.constants},
     }
+    networks = [network] if network else []
+    more = layered_standard(table, reference_results(table, network.reader if network else None))
+    return pack_slave(NAME, DESCRIPTION, table, config, networks, _notes(vehicles, network), output, more)
+
+
+def pack_slave(
+    name: str,
+    description: str,
+    table: tuple[Variable, ...],
+    config: dict[str, Any],
+    networks: Sequence[NetworkFile],
+    notes: Sequence[str],
+    output: Path,
+    more: Mapping[str, bytes] | None = None,
+) -> Path:
+    """Write an FMU whose slave is the class `name`; the same tree gives the same bytes.
+
+    Parameters
+    ----------
+    name, description : of the FMU
+    table : its variables
+    config : what the slave finds in resources/
+    networks : that go into resources/
+    notes : paragraphs of its page
+    output : folder
+    more : further files, content by name
+
+    Returns
+    -------
+    path of the FMU
+    """
+    component = Component(
+        name,
+        description,
+        version("psp-platoon"),
+        "",
+        capabilities=("canGetAndSetFMUstate", "canSerializeFMUstate", "canNotUseMemoryManagementFunctions"),
+    )
+    packed = dict(more or {}) | _fixed_files(name, networks)
+    packed |= {"documentation/index.html": index_page(component, config["vehicles"], table, notes)}
+    sources = _model_sources(name)
+    digest = content_digest(packed | sources | {"table": repr((component, table)).encode()})
+    packed |= _generated_files(component, table, config, digest) | _renamed(sources, digest[:12])
+    path = output / f"{name}.fmu"
+    write_fmu(path, packed)
+    return path
+
+
+def _fixed_files(name: str, networks: Sequence[NetworkFile]) -> dict[str, bytes]:
+    """Everything that is copied into the FMU as it is."""
+    here = Path(__file__).parent
+    found = _pythonfmu_files() | _licences()
+    for platform, library in _LAUNCHERS.items():
+        found[f"binaries/{platform}/{name}{Path(library).suffix}"] = (
+            here / "launcher" / "binaries" / platform / library
+        ).read_bytes()
+    found["model.png"] = (here / "model.png").read_bytes()
+    found["resources/requirements.txt"] = _requirements().encode()
+    found["documentation/externalDependencies.txt"] = ("Python >= 3.11\n" + _requirements()).encode()
+    return found | {f"resources/{network.name}": network.content for network in networks}
+
+
+def _generated_files(
+    component: Component, table: tuple[Variable, ...], config: dict[str, Any], digest: str
+) -> dict[str, bytes]:
+    """Everything that names the content of the FMU."""
+    module = f"psp_platoon_{digest[:12]}"
     described = Component(**(vars(component) | {"guid": guid_of(digest)}))
-    script = _SCRIPT.format(suffix=digest[:12])
+    slave = _SLAVE_FILES[component.name][-1].removesuffix(".py")
+    script = _SCRIPT.format(suffix=digest[:12], name=component.name, module=slave)
     return {
         "modelDescription.xml": model_description(described, table),
         "resources/slavemodule.txt": module.encode(),

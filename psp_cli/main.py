@@ -11,7 +11,21 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
-from . import build, certify, compare, dataset, doctor, evaluate, explore, figures, optimize, report, simulate, train
+from . import (
+    build,
+    certify,
+    compare,
+    dataset,
+    doctor,
+    evaluate,
+    explore,
+    figures,
+    optimize,
+    report,
+    simulate,
+    sumo,
+    train,
+)
 from .bad_input import BadInput
 
 EXTRAS = {"matplotlib": "report", "nicegui": "explore", "jax": "offline", "optax": "offline", "pyarrow": "offline"}
@@ -66,3 +80,4 @@ app.command("optimize")(optimize.optimize)
 app.command("train")(train.train)
 app.command("evaluate")(evaluate.evaluate)
 app.command("doctor")(doctor.doctor)
+app.command("sumo")(sumo.sumo)

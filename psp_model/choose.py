@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Any
 
 from .errors import ModelError
 from .feasible import project, require_feasible
@@ -114,3 +115,46 @@ def choose_potential(
     count, rounds = share_rollouts(request.rollouts)
     candidates = network.candidates(start.s, start.v, count)
     return best_by_rollout(start, candidates, weights, sampling, request.horizon, rounds)
+
+
+def choose_for_any_number(
+    s: Any,
+    v: Any,
+    constants: PlatoonParameters,
+    request: Request,
+    networks: Mapping[int, ParameterNetwork],
+    weights: ObjectiveWeights,
+    sampling: Sampling,
+    warn: Callable[[str], None],
+) -> tuple[PotentialParameters, bool]:
+    """The potential for however many vehicles there are; where there is no network for them, the fixed triple (ours).
+
+    Parameters
+    ----------
+    s, v : (n-1,) gaps [m] and (n,) speeds [m/s], n >= 1
+    constants, request, weights, sampling : as `choose_potential` takes them
+    networks : by number of vehicles
+    warn : called with one sentence where the fallback is used
+
+    Returns
+    -------
+    the potential, and whether a network's training domain holds the vehicles and the network was asked
+
+    Raises
+    ------
+    ModelError : as `choose_potential` does
+    """
+    n, fixed, network = v.size, request.fixed, networks.get(v.size)
+    if request.old:
+        return V_OLD, False
+    if n == 1 or request.source is ParameterSource.FIXED:  # a lone vehicle meets no potential
+        require_feasible(fixed, constants)
+        return fixed, False
+    if network is None:
+        require_feasible(fixed, constants)
+        reason = f"{n} vehicles, for which there is no network here"
+        warn(str(ModelError("fallback", reason, fixed.alpha, fixed.r, fixed.p)))
+        return fixed, False
+    start = PlatoonState(s, v, constants)
+    shape = choose_potential(start, request, network, weights, sampling, warn)
+    return shape, outside_domain(start, network.domain, network.constants) is None

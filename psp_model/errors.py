@@ -62,6 +62,33 @@ SENTENCES = {
     "a C compiler",
     "duration": "duration = %.10g s must be finite and not negative: give the run a length of 0 s or more",
     "output_step": "output_step = %.10g s must be positive and finite: give it a time above 0 s",
+    "limits": "a_min = %.10g m/s2 must be negative and a_max = %.10g m/s2 positive: a vehicle has to be able to "
+    "slow down and to speed up",
+    "a_safe": "a_safe = %.10g m/s2 must lie between a_min = %.10g m/s2 and 0 m/s2: the safe action slows down",
+    "max_age": "max_age = %.10g s must be positive: it is the greatest age of an input, give it a time above 0 s",
+    "phase": "phase = %.10g s must be at least 0 s and below T = %.10g s: it is the time of the first sampling instant",
+    "active": "n_active = %.10g must be a whole number from 1 to %d: set the number of vehicles that are controlled",
+    "v_desired": "v_desired = %.10g m/s must lie strictly between 0 m/s and v_max = %.10g m/s, or be -1 for v_star: "
+    "choose another desired speed",
+    "measured_gap": "the measured gap s[%d] = %.10g m does not exceed L = %.10g m: no feedback is defined there, keep "
+    "the vehicles apart, lower L, or set bad_input to 2 for the safe action",
+    "measured_speed": "the measured speed v[%d] = %.10g m/s does not lie in [0, %.10g] m/s: no feedback is defined "
+    "there, raise v_max, or set bad_input to 2 for the safe action",
+    "stale": "the inputs are %.10g s old, more than max_age = %.10g s: measure more often, raise max_age, or set "
+    "bad_input to 2 for the safe action",
+    "safe_action": "the safe action is taken at t = %.10g s: %s",
+    "lemma1_controller": "T = %.10g s is not below T_max = %.10g s at t = %.10g s for the measured gaps and speeds "
+    "(Lemma 1): choose T < %.10g s, or lemma1_policy 2",
+    "full": "a vehicle more than %d does not fit: remove one first, or build the FMU for more",
+    "place": "%s = %.10g must be a whole number from %d to %d: name a vehicle of the platoon",
+    "last": "the last vehicle cannot leave: a platoon has at least 1",
+    "insert_speed": "the joining vehicle's speed %.10g m/s must lie in [0, %.10g] m/s: let it join at another speed",
+    "insert_gap": "a vehicle cannot join %.10g m behind vehicle %d at %.10g m/s, where T = %.10g s would not be below "
+    "T_max (Lemma 1): a gap of %.10g m would do",
+    "insert_none": "a vehicle cannot join %.10g m behind vehicle %d at %.10g m/s, where T = %.10g s would not be below "
+    "T_max (Lemma 1): no gap would do there now, let it join at another place, speed or time",
+    "wave": "a wave from %.10g to %.10g m/s with a period of %.10g s is none: choose 0 <= v_low <= v_high and "
+    "a period above 0 s",
     "short_periods": "more than max_short_periods = %d short sampling periods in one communication step, at "
     "t = %.10g s with T_max = %.10g s: raise max_short_periods, take shorter communication "
     "steps, or start further from L",

@@ -68,6 +68,8 @@ def repulsion(s: Any, shape: PotentialShape, constants: Constants) -> Any:
     """
     xp = array_namespace(s)
     slope = potential_slope(s, shape, constants)
+    if s.shape[0] == 0:  # a lone vehicle: nothing acts on it
+        return xp.zeros((1, *s.shape[1:]))
     return xp.concat([-slope[:1], slope[:-1] - slope[1:], slope[-1:]])
 
 

@@ -62,8 +62,9 @@ def violation(t: float, T: float, s: Any, v: Any, a: Any, constants: PlatoonPara
     ModelError, to be raised or logged
     """
     of_gaps, of_speeds = period_bounds(s, v, a, constants)
-    i, j = int(np.argmin(of_gaps)), int(np.argmin(of_speeds))
-    if of_gaps[i] <= of_speeds[j]:
+    j = int(np.argmin(of_speeds))
+    i = int(np.argmin(of_gaps)) if of_gaps.size else -1  # a lone vehicle has no gap
+    if i >= 0 and of_gaps[i] <= of_speeds[j]:
         bound = of_gaps[i]
         return ModelError("lemma1_gap", T, bound, t, i + 2, i + 2, s[i], constants.L, constants.v_max, bound)
     key, limit = ("lemma1_fast", constants.v_max) if a[j] > 0 else ("lemma1_slow", 0.0)

@@ -189,7 +189,7 @@ class SampledPlatoon:
         if policy is Lemma1Policy.SHORTEN:
             while not span * T < T_max and span > _SHORTEST:
                 span *= 0.5
-            span = min(span, 1.0 - fraction)
+        span = min(span, 1.0 - fraction)  # the next nominal instant is one in any case
         begins = not certified and (violations == 0 or self.now.T_max > T)
         self.now = Instant(period, fraction, x, s, v, a, T_max, span, violations + (not certified), cost)
         if certified or policy is Lemma1Policy.SHORTEN:
@@ -199,6 +199,32 @@ class SampledPlatoon:
             raise error
         if begins:
             self.warn(str(error))
+
+    def take_over(
+        self, period: int, fraction: float, x: float, s: Vector, v: Vector, shape: PotentialParameters
+    ) -> None:
+        """Sample once more, between or at the clock's instants, with other vehicles and another potential (ours).
+
+        Parameters
+        ----------
+        period, fraction : the time, between the last sampling instant and the next
+        x, s, v : position of the leader [m], gaps (m-1,) [m] and speeds (m,) [m/s] of the vehicles from here on, m >= 1
+        shape : the potential from here on
+
+        Raises
+        ------
+        ModelError : as `advance_to` does; the platoon is then as it was
+        """
+        before, old = self.now, self.shape
+        cost = self.observe(period, fraction).cost
+        again = (period, fraction) == (before.period, before.fraction)
+        violations = before.violations - (again and before.T_max <= self.sampling.T)  # the earlier verdict is void
+        self.shape = shape
+        try:
+            self._sample(period, fraction, x, s, v, violations, cost)
+        except ModelError:
+            self.now, self.shape = before, old
+            raise
 
     def advance_to(self, period: int, fraction: float) -> None:
         """Pass all sampling instants up to and including a time.

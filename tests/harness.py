@@ -25,7 +25,7 @@ class Unpacked:
         self.description = read_model_description(str(self.folder), validate=False)
         self.reference = {variable.name: variable.valueReference for variable in self.description.modelVariables}
         self.integer = {variable.name for variable in self.description.modelVariables if variable.type == "Integer"}
-        self.vehicles = sum(name.startswith("v_start[") for name in self.reference)
+        self.vehicles = sum(name.startswith("a[") for name in self.reference)
 
 
 class Instance:

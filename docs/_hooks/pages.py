@@ -18,6 +18,7 @@ _VEHICLES = 7
 def on_page_markdown(markdown: str, **_: Any) -> str:
     """Fill in what stands in double braces, then set the mathematics."""
     makers = {"variables": variables, "messages": messages, "commands": commands}
+    makers |= {"controller variables": controller_variables, "joining variables": joining_variables}
     for name, make in makers.items():
         if f"{{{{ {name} }}}}" in markdown:
             markdown = markdown.replace(f"{{{{ {name} }}}}", make())
@@ -34,11 +35,34 @@ def _mathml(found: re.Match[str]) -> str:
 
 
 def variables() -> str:
-    """The table of FMI variables, one row per name; numbered ones as name[i]."""
+    """The table of FMI variables of `PspPlatoon`."""
     from fmu_src.variables import platoon_table
 
+    return _rows(platoon_table(_VEHICLES))
+
+
+def controller_variables() -> str:
+    """The inputs and outputs of `PspController`, and the parameters that it alone has."""
+    from fmu_src.controller_variables import controller_table
+    from fmu_src.variables import platoon_table
+
+    known = {row.name for row in platoon_table(_VEHICLES) if row.causality == "parameter"}
+    return _rows([row for row in controller_table(_VEHICLES) if row.name not in known])
+
+
+def joining_variables() -> str:
+    """What `PspOpenPlatoon` has beyond `PspPlatoon`."""
+    from fmu_src.open_variables import open_table
+    from fmu_src.variables import platoon_table
+
+    known = {row.name for row in platoon_table(_VEHICLES)}
+    return _rows([row for row in open_table(_VEHICLES) if row.name not in known])
+
+
+def _rows(table: Any) -> str:
+    """One row per name; numbered ones as name[i]."""
     rows: dict[str, list[Any]] = {}
-    for row in platoon_table(_VEHICLES):
+    for row in table:
         rows.setdefault(re.sub(r"\[\d+\]", "[i]", row.name), []).append(row)
     lines = ["| name | what | unit | start | limits | meaning |", "|---|---|---|---|---|---|"]
     for name, same in rows.items():

@@ -1,0 +1,102 @@
+"""The pythonfmu slave `PspPlant`: ideal vehicles to try a controller on."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+
+from psp_model.errors import ModelError
+from psp_model.parameters import PlatoonParameters
+from psp_model.plant import IdealPlant, Motion
+from psp_model.platoon import Sampling, locate
+from psp_model.state import PlatoonState
+
+from .controller_variables import plant_table
+from .table_slave import TableSlave, logged
+from .variables import Variable
+
+_SAVED = ("_values", "_start_time", "_time", "_initialising")
+
+
+class PspPlant(TableSlave):
+    """n double integrators; see `psp_model.IdealPlant`."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        self._plant: IdealPlant | None = None
+
+    def _make_table(self) -> tuple[Variable, ...]:
+        return plant_table(self.vehicles)
+
+    def _running(self) -> bool:
+        return self._plant is not None
+
+    def _changed(self, inputs: bool) -> None:
+        if not inputs:
+            self._plant, self._stale = None, True
+
+    @logged
+    def exit_initialization_mode(self) -> None:
+        if self._plant is None:
+            self._plant = self._initialise()
+        self._initialising, self._stale = False, True
+
+    def _initialise(self) -> IdealPlant:
+        n, free = self.vehicles, PlatoonParameters(L=1e-9, lam=1e6, v_star=1.0, v_max=1e6)  # nothing but motion forward
+        gaps, speeds = np.array(self._numbers("s_start", 2, n)), np.array(self._numbers("v_start", 1, n))
+        start = PlatoonState(gaps, speeds, free, self._value("x_start"))
+        return IdealPlant.begin(start, Sampling(self._value("T")).T)
+
+    @logged
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        plant, end = self._plant, current_time + step_size
+        assert plant is not None  # the launcher lets nobody step before initialisation has ended
+        a = np.array(self._numbers("a", 1, self.vehicles))
+        for i in np.flatnonzero(~np.isfinite(a)).tolist():
+            raise ModelError("finite", f"a[{i + 1}]", a[i], "m/s2")
+        plant.advance_to(locate(end - self._start_time, plant.T)[0], a)
+        self._time, self._stale = end, True
+        return True
+
+    def _refresh(self) -> None:
+        if self._plant is None:
+            if not self._initialising:
+                return
+            self._plant = self._initialise()
+        seen = self._plant.now
+        self._values[self._first_output :] = [*seen.positions().tolist(), *seen.v.tolist(), *seen.s.tolist()]
+        self._stale = False
+
+    # the whole state
+
+    @logged
+    def _get_fmu_state(self) -> dict[str, Any]:
+        state = {name: getattr(self, name) for name in _SAVED} | {"_values": tuple(self._values)}
+        plant = self._plant and {"T": self._plant.T, "period": self._plant.period, "now": _pack(self._plant.now)}
+        return state | {"plant": plant}
+
+    @logged
+    def _set_fmu_state(self, state: dict[str, Any]) -> None:
+        for name in _SAVED:
+            setattr(self, name, state[name])
+        self._values, self._stale, plant = list(state["_values"]), True, state["plant"]
+        self._plant = plant and IdealPlant(_unpack(plant["now"]), plant["T"], plant["period"])
+
+    @staticmethod
+    def _fmu_state_to_bytes(state: dict[str, Any]) -> bytes:
+        return json.dumps(state).encode()
+
+    @staticmethod
+    def _fmu_state_from_bytes(data: bytes) -> dict[str, Any]:
+        state: dict[str, Any] = json.loads(data)
+        return state
+
+
+def _pack(motion: Motion) -> dict[str, Any]:
+    return {"x": motion.x, "s": motion.s.tolist(), "v": motion.v.tolist()}
+
+
+def _unpack(packed: dict[str, Any]) -> Motion:
+    return Motion(packed["x"], np.array(packed["s"]), np.array(packed["v"]))

@@ -1,0 +1,106 @@
+"""`PspController.fmu`, `PspPlant.fmu`, `PspOpenPlatoon.fmu`: other people's vehicles, and those that join and leave."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from .controller_variables import controller_table, leader_table, plant_table
+from .open_variables import open_table
+from .python_runtime import NEEDS, NetworkFile, network_for, pack_slave
+
+
+def networks_up_to(capacity: int) -> dict[int, NetworkFile]:
+    """This project's networks for 2 to N vehicles, by number of vehicles.
+
+    Parameters
+    ----------
+    capacity : N
+    """
+    found = {n: network_for(n) for n in range(2, capacity + 1)}
+    return {n: network for n, network in found.items() if network is not None}
+
+
+def _of_networks(capacity: int) -> tuple[dict[str, Any], list[NetworkFile], list[str]]:
+    """Configuration, networks and notes of a component for 1 to N vehicles."""
+    networks = networks_up_to(capacity)
+    config = {
+        "vehicles": capacity,
+        "default_source": 1 if networks else 2,
+        "network": None,
+        "networks": {n: network.name for n, network in networks.items()},
+    }
+    known = ", ".join(map(str, networks)) or "no number of"
+    text = (
+        f"For 1 to {capacity} vehicles. There are networks for {known} vehicles in resources/; for other numbers, and "
+        "outside their training domain, alpha_fixed, r_fixed and p_fixed are used, with a warning."
+    )
+    return config, list(networks.values()), [text, NEEDS]
+
+
+def build_open_platoon_fmu(capacity: int, output: Path) -> Path:
+    """Write PspOpenPlatoon.fmu.
+
+    Parameters
+    ----------
+    capacity : most vehicles N, at least 2
+    output : folder
+
+    Returns
+    -------
+    path of the FMU
+    """
+    config, networks, notes = _of_networks(capacity)
+    description = "The platoon under sampled feedback, with vehicles that join and leave while it drives"
+    table = open_table(capacity, config["default_source"])
+    return pack_slave("PspOpenPlatoon", description, table, config, networks, notes, output)
+
+
+def build_controller_fmu(capacity: int, output: Path) -> Path:
+    """Write PspController.fmu.
+
+    Parameters
+    ----------
+    capacity : most vehicles N, at least 2
+    output : folder
+
+    Returns
+    -------
+    path of the FMU
+    """
+    config, networks, notes = _of_networks(capacity)
+    description = "Commands accelerations to a platoon of vehicles from their measured gaps and speeds"
+    table = controller_table(capacity, config["default_source"])
+    return pack_slave("PspController", description, table, config, networks, notes, output)
+
+
+def build_plant_fmu(vehicles: int, output: Path) -> Path:
+    """Write PspPlant.fmu.
+
+    Parameters
+    ----------
+    vehicles : n, at least 2
+    output : folder
+
+    Returns
+    -------
+    path of the FMU
+    """
+    description = "Ideal vehicles on one lane, double integrators, to try a controller on"
+    return pack_slave("PspPlant", description, plant_table(vehicles), {"vehicles": vehicles}, [], [NEEDS], output)
+
+
+def build_leader_fmu(vehicles: int, output: Path) -> Path:
+    """Write PspLeader.fmu.
+
+    Parameters
+    ----------
+    vehicles : of the platoon that follows; says nothing here
+    output : folder
+
+    Returns
+    -------
+    path of the FMU
+    """
+    description = "The speed of a leader, steady or on a stop-and-go wave"
+    return pack_slave("PspLeader", description, leader_table(), {"vehicles": vehicles}, [], [NEEDS], output)

@@ -1,0 +1,238 @@
+"""The feedback as a controller of vehicles that are somebody else's: measured gaps and speeds in, accelerations out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .choose import Request, choose_for_any_number
+from .errors import ModelError
+from .feasible import require_feasible
+from .feedback import feedback
+from .lemma1 import largest_period
+from .network import ParameterNetwork
+from .parameters import V_OLD, ObjectiveWeights, PlatoonParameters, PotentialParameters
+from .platoon import Lemma1Policy, Sampling
+
+Vector = NDArray[np.float64]
+
+NO_LIMIT = 1000.0  # [m/s2] a bound on the command that stands for none; importers do not like infinity
+
+
+class BadMeasurement(IntEnum):
+    """What happens where the inputs are stale, not finite or outside the state space (ours)."""
+
+    ERROR = 1
+    SAFE_ACTION = 2
+
+
+@dataclass(frozen=True)
+class ControllerSettings:
+    """What the controller is told once.
+
+    Attributes
+    ----------
+    capacity : most vehicles N
+    constants, weights, sampling : of the model; policy 3 makes no sense here and counts as 2
+    request : where alpha, r, p come from; its fixed triple also serves where there is no network for n vehicles
+    a_min, a_max : bounds of the command [m/s2] (ours)
+    bad_input : what bad measurements lead to
+    a_safe : command of the safe action, until standstill [m/s2] (ours)
+    max_age : inputs older than this are stale [s] (ours)
+
+    Raises
+    ------
+    ModelError : where the bounds, a_safe or max_age make no sense
+    """
+
+    capacity: int
+    constants: PlatoonParameters = field(default_factory=PlatoonParameters)
+    weights: ObjectiveWeights = field(default_factory=ObjectiveWeights)
+    sampling: Sampling = field(default_factory=Sampling)
+    request: Request = field(default_factory=Request)
+    a_min: float = -NO_LIMIT
+    a_max: float = NO_LIMIT
+    bad_input: BadMeasurement = BadMeasurement.ERROR
+    a_safe: float = -2.0
+    max_age: float = 1e9
+
+    def __post_init__(self) -> None:
+        if not -np.inf < self.a_min < 0 < self.a_max < np.inf:
+            raise ModelError("limits", self.a_min, self.a_max)
+        if not self.a_min <= self.a_safe <= 0:
+            raise ModelError("a_safe", self.a_safe, self.a_min)
+        if not self.max_age > 0:
+            raise ModelError("max_age", self.max_age)
+        if not self.request.old:
+            require_feasible(self.request.fixed, self.constants)
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """What the controller is told at a sampling instant.
+
+    Attributes
+    ----------
+    s, v : (N-1,) gaps [m] and (N,) speeds [m/s], leader first; only the first n_active vehicles count
+    n_active : vehicles under control
+    resolve : alpha, r, p are chosen anew where this rises above 0.5
+    age : time since gaps and speeds were measured [s]
+    v_desired : desired speed instead of v_star, None for v_star [m/s] (ours: the paper has one v_star for good)
+    """
+
+    s: Vector
+    v: Vector
+    n_active: float
+    resolve: float = 0.0
+    age: float = 0.0
+    v_desired: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Command:
+    """What the controller decided at a sampling instant, and all that it remembers of the past.
+
+    Attributes
+    ----------
+    a : (N,) commanded accelerations [m/s2], 0 for vehicles that are not active
+    saturated : (N,) whether a_min or a_max cut the feedback, so that Lemma 1's argument does not cover the vehicle
+    in_order : whether the inputs were; if not, this is the safe action
+    T_max : Lemma 1's bound for the command [s], 0 with the safe action
+    violations, faults : sampling instants so far with T >= T_max, and with inputs that were not in order
+    choices : how often alpha, r, p were chosen
+    n_active : vehicles under control at the last choice
+    in_domain : whether the last choice was a network's
+    resolve : the input at the last sampling instant
+    shape : the potential in use
+    """
+
+    a: Vector
+    saturated: NDArray[np.bool_]
+    in_order: bool
+    T_max: float
+    violations: int
+    faults: int
+    choices: int
+    n_active: int
+    in_domain: bool
+    resolve: float
+    shape: PotentialParameters
+
+
+@dataclass
+class SampledController:
+    """The feedback law for measured vehicles; the state is one immutable `Command`.
+
+    Attributes
+    ----------
+    settings : what it is told once
+    networks : by number of vehicles
+    warn : called with one sentence for each thing to be warned of
+    now : the command held, all zeros before the first sampling instant
+    """
+
+    settings: ControllerSettings
+    networks: Mapping[int, ParameterNetwork] = field(default_factory=dict)
+    warn: Callable[[str], None] = lambda sentence: None
+    now: Command = field(init=False)
+
+    def __post_init__(self) -> None:
+        n, request = self.settings.capacity, self.settings.request
+        nobody, shape = np.zeros(n), V_OLD if request.old else request.fixed
+        self.now = Command(nobody, nobody > 0, True, 0.0, 0, 0, 0, 0, False, 0.0, shape)
+
+    def sample(self, time: float, measured: Measurement) -> None:
+        """Decide at a sampling instant and make the decision `now`.
+
+        Parameters
+        ----------
+        time : of the instant [s], for messages
+        measured : the inputs
+
+        Raises
+        ------
+        ModelError : with bad_input 1 where the inputs are not in order; under policy 1 where T is not certified; where
+            a network file is at fault
+        """
+        try:
+            n = self._require_order(measured)
+        except ModelError as error:
+            if self.settings.bad_input is BadMeasurement.ERROR:
+                raise
+            if self.now.in_order:
+                self.warn(str(ModelError("safe_action", time, str(error))))
+            self.now = self._safe_action(measured)
+            return
+        self.now = self._regular(time, n, measured)
+
+    def _require_order(self, measured: Measurement) -> int:
+        """The number of active vehicles; ModelError where an input is not in order."""
+        settings = self.settings
+        L, v_max = settings.constants.L, settings.constants.v_max
+        n = measured.n_active
+        if not (1 <= n <= settings.capacity and n == int(n)):
+            raise ModelError("active", n, settings.capacity)
+        if not measured.age <= settings.max_age:
+            raise ModelError("stale", measured.age, settings.max_age)
+        if not np.isfinite(measured.resolve):
+            raise ModelError("finite", "resolve", measured.resolve, "1")
+        if measured.v_desired is not None and not 0 < measured.v_desired < v_max:
+            raise ModelError("v_desired", measured.v_desired, v_max)
+        s, v = measured.s[: int(n) - 1], measured.v[: int(n)]
+        for i in np.flatnonzero(~((s > L) & (s < np.inf))).tolist():
+            raise _outside("s", i + 2, s[i], "m", ModelError("measured_gap", i + 2, s[i], L))
+        for i in np.flatnonzero(~((v >= 0) & (v <= v_max))).tolist():
+            raise _outside("v", i + 1, v[i], "m/s", ModelError("measured_speed", i + 1, v[i], v_max))
+        return int(n)
+
+    def _regular(self, time: float, n: int, measured: Measurement) -> Command:
+        """The bounded feedback for n vehicles that are in order."""
+        settings, before = self.settings, self.now
+        s, v, T = measured.s[: n - 1], measured.v[:n], settings.sampling.T
+        shape, in_domain, choices = before.shape, before.in_domain, before.choices
+        if n != before.n_active or measured.resolve > 0.5 >= before.resolve:
+            request, weights = settings.request, settings.weights
+            how = (request, self.networks, weights, settings.sampling, self.warn)
+            shape, in_domain = choose_for_any_number(s, v, settings.constants, *how)
+            choices += 1
+        constants = settings.constants
+        if measured.v_desired is not None:
+            constants = replace(constants, v_star=measured.v_desired)
+        wanted = feedback(s, v, shape, constants)
+        a = np.zeros(settings.capacity)
+        a[:n] = np.clip(wanted, settings.a_min, settings.a_max)
+        saturated = np.zeros(settings.capacity, dtype=bool)
+        saturated[:n] = a[:n] != wanted
+        T_max = float(largest_period(s, v, a[:n], settings.constants))
+        certified = T_max > T
+        if not certified:
+            error = ModelError("lemma1_controller", T, T_max, time, T_max)
+            if settings.sampling.policy is Lemma1Policy.ERROR:
+                raise error
+            if before.violations == 0 or before.T_max > T:
+                self.warn(str(error))
+        violations = before.violations + (not certified)
+        return Command(
+            a, saturated, True, T_max, violations, before.faults, choices, n, in_domain, measured.resolve, shape
+        )
+
+    def _safe_action(self, measured: Measurement) -> Command:
+        """Everybody slows down by a_safe, but not below standstill where the speed is known."""
+        settings, before = self.settings, self.now
+        known = np.where(np.isfinite(measured.v), np.maximum(measured.v, 0.0), np.inf)
+        a = np.maximum(settings.a_safe, -known / settings.sampling.T)
+        n = measured.n_active
+        active = int(n) if 1 <= n <= settings.capacity and n == int(n) else settings.capacity
+        a[active:] = 0.0
+        nobody = np.zeros(settings.capacity, dtype=bool)
+        counts = (before.violations, before.faults + 1, before.choices)
+        return Command(a, nobody, False, 0.0, *counts, before.n_active, before.in_domain, before.resolve, before.shape)
+
+
+def _outside(name: str, vehicle: int, value: float, unit: str, error: ModelError) -> ModelError:
+    """What to say of a measurement: `error`, or that it is not a finite number."""
+    return error if np.isfinite(value) else ModelError("finite", f"{name}[{vehicle}]", value, unit)

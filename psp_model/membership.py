@@ -1,0 +1,177 @@
+"""Vehicles that join and leave while the platoon drives, why the paper computes parameters on line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from copy import copy
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .errors import ModelError
+from .parameters import PotentialParameters
+from .platoon import Lemma1Policy, SampledPlatoon, Vector
+from .state import PlatoonState
+
+_PROBES = 100  # gaps that are tried for one that would do
+_TRUSTED = 5  # of these, how many are checked with the potential chosen for them
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Why a vehicle may not join or leave.
+
+    Attributes
+    ----------
+    sentence : what is wrong and what would do
+    gap : a gap at which the vehicle may join at this speed and time, NaN if there is none [m]
+    """
+
+    sentence: str
+    gap: float = np.nan
+
+
+@dataclass
+class OpenPlatoon:
+    """A platoon whose vehicles change; each change is a sampling instant with parameters chosen anew (ours).
+
+    Attributes
+    ----------
+    platoon : the vehicles there are, with their clock
+    capacity : most vehicles N
+    choose : the potential for a new initial state; not asked for a lone vehicle
+    vehicles : number of each vehicle, leader first; the first ones are 1 to n, later ones count on
+    joined : vehicles there have been so far
+    """
+
+    platoon: SampledPlatoon
+    capacity: int
+    choose: Callable[[PlatoonState], PotentialParameters]
+    vehicles: tuple[int, ...] = ()
+    joined: int = 0
+
+    def __post_init__(self) -> None:
+        if not self.vehicles:
+            self.joined = self.platoon.now.v.size
+            self.vehicles = tuple(range(1, self.joined + 1))
+
+    def insert(self, behind: float, gap: float, speed: float, period: int, fraction: float) -> Refusal | None:
+        """Let a vehicle join, if Lemma 1 certifies T for the platoon with it, under any policy.
+
+        Parameters
+        ----------
+        behind : place of the vehicle it joins behind, 1 for the leader; 0: it becomes the leader
+        gap : to the vehicle at that place, or with 0 to the old leader [m]
+        speed : of the joining vehicle [m/s]
+        period, fraction : the time, as `SampledPlatoon.take_over` takes it; instants up to it have been passed
+
+        Returns
+        -------
+        None, or why it may not; the platoon is then as it was
+        """
+        n, constants = len(self.vehicles), self.platoon.start.constants
+        try:
+            place = self._place("insert_behind", behind, 0)
+            if n == self.capacity:
+                raise ModelError("full", self.capacity)
+            if not 0 <= speed <= constants.v_max:
+                raise ModelError("insert_speed", speed, constants.v_max)
+        except ModelError as error:
+            return Refusal(str(error))
+        with_it = self._certified(place, gap, speed, period, fraction, True)
+        if with_it is None:
+            return self._what_would_do(place, gap, speed, period, fraction)
+        self.platoon = with_it
+        self.joined += 1
+        self.vehicles = (*self.vehicles[:place], self.joined, *self.vehicles[place:])
+        return None
+
+    def remove(self, place: float, period: int, fraction: float) -> Refusal | None:
+        """Let a vehicle leave; only under policy 1 Lemma 1 may object.
+
+        Parameters
+        ----------
+        place : of the vehicle, 1 for the leader
+        period, fraction : the time, as for `insert`
+
+        Returns
+        -------
+        None, or why it may not; the platoon is then as it was
+        """
+        try:
+            gone = self._place("remove", place, 1) - 1
+            if len(self.vehicles) == 1:
+                raise ModelError("last")
+            seen = self.platoon.observe(period, fraction)
+            x, v = np.delete(seen.x, gone), np.delete(seen.v, gone)
+            s = seen.s[1:] if gone == 0 else seen.s[:-1] if gone == len(self.vehicles) - 1 else _merged(seen.s, gone)
+            trial = copy(self.platoon)
+            trial.take_over(period, fraction, float(x[0]), s, v, self._shape(s, v))
+        except ModelError as error:
+            return Refusal(str(error))
+        self.platoon = trial
+        self.vehicles = self.vehicles[:gone] + self.vehicles[gone + 1 :]
+        return None
+
+    def _place(self, name: str, place: float, first: int) -> int:
+        if not (first <= place <= len(self.vehicles) and place == int(place)):
+            raise ModelError("place", name, place, first, len(self.vehicles))
+        return int(place)
+
+    def _shape(self, s: Vector, v: Vector) -> PotentialParameters:
+        if v.size == 1:
+            return self.platoon.shape
+        return self.choose(PlatoonState(s, v, self.platoon.start.constants))
+
+    def _with(
+        self, place: int, gap: float, speed: float, period: int, fraction: float
+    ) -> tuple[float, Vector, Vector] | None:
+        """Leader's position, gaps and speeds with one more vehicle; None where a gap would not exceed L."""
+        seen, L = self.platoon.observe(period, fraction), self.platoon.start.constants.L
+        v = np.insert(seen.v, place, speed)
+        x = float(seen.x[0]) + (gap if place == 0 else 0.0)
+        s = np.insert(seen.s, max(place - 1, 0), gap)
+        if 0 < place < len(self.vehicles):
+            s[place] = s[place] - gap
+        return (x, s, v) if np.isfinite(gap) and (s > L).all() else None
+
+    def _certified(
+        self, place: int, gap: float, speed: float, period: int, fraction: float, anew: bool
+    ) -> SampledPlatoon | None:
+        """The platoon with one more vehicle if T is certified; with the potential in use unless chosen `anew`."""
+        motion = self._with(place, gap, speed, period, fraction)
+        if motion is None:
+            return None
+        x, s, v = motion
+        trial = copy(self.platoon)
+        trial.warn = lambda sentence: None
+        trial.sampling = replace(trial.sampling, policy=Lemma1Policy.SHORTEN)  # looks, and never raises
+        trial.take_over(period, fraction, x, s, v, self._shape(s, v) if anew else trial.shape)
+        if not trial.now.T_max > trial.sampling.T:
+            return None
+        trial.warn, trial.sampling = self.platoon.warn, self.platoon.sampling
+        return trial
+
+    def _what_would_do(self, place: int, gap: float, speed: float, period: int, fraction: float) -> Refusal:
+        """The refusal of a joining vehicle, with the nearest gap found at which it may join."""
+        constants, T = self.platoon.start.constants, self.platoon.sampling.T
+        seen = self.platoon.observe(period, fraction)
+        inside = 0 < place < len(self.vehicles)
+        room = float(seen.s[place - 1]) - constants.L if inside else constants.L + 5 * constants.lam
+        probes = np.linspace(constants.L, room, _PROBES + 2)[1:-1] if room > constants.L else np.empty(0)
+        wanted = gap if np.isfinite(gap) else constants.lam
+        found = []
+        for probe in probes[np.argsort(abs(probes - wanted), kind="stable")].tolist():
+            if self._certified(place, probe, speed, period, fraction, False) is not None:
+                found.append(probe)
+            if len(found) == _TRUSTED:
+                break
+        for probe in found:
+            if self._certified(place, probe, speed, period, fraction, True) is not None:
+                return Refusal(str(ModelError("insert_gap", gap, place, speed, T, probe)), probe)
+        return Refusal(str(ModelError("insert_none", gap, place, speed, T)))
+
+
+def _merged(s: Vector, gone: int) -> Vector:
+    """Gaps after the vehicle at index `gone`, neither first nor last, has left."""
+    return np.concatenate([s[: gone - 1], [s[gone - 1] + s[gone]], s[gone + 1 :]])

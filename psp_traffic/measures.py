@@ -1,0 +1,149 @@
+"""What a run was worth: safety, comfort, capacity, emissions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .scenario import LENGTH, Scenario
+from .simulation import Record
+
+_STEADY = 10.0  # [s] the end of a run, over which gaps and capacity are averaged
+_JERK_WINDOW = 0.1  # [s] jerk is the change of acceleration between means over this time
+_SETTLED = 0.5  # [m/s] everybody this close to v_star
+
+
+@dataclass(frozen=True)
+class Measures:
+    """The row of one run.
+
+    Attributes
+    ----------
+    collisions : pairs of vehicles that touched
+    gap_min : smallest free space between bumpers, 0 where vehicles touched [m]
+    ttc_min : smallest time to collision while closing [s]
+    a_peak, a_rms : of accelerations [m/s2]
+    jerk_peak, jerk_rms : [m/s3]
+    capacity : vehicles per hour that the last 10 s amount to
+    gap_mean : between fronts over the last 10 s [m]
+    settling : from when everybody stays within 0.5 m/s of v_star [s]; NaN if never, or on a wave
+    amplification : r.m.s. acceleration of the last vehicle over that of the leader; NaN where it keeps its speed
+    co2, fuel : per vehicle and kilometre [g/km]
+    """
+
+    collisions: int
+    gap_min: float
+    ttc_min: float
+    a_peak: float
+    a_rms: float
+    jerk_peak: float
+    jerk_rms: float
+    capacity: float
+    gap_mean: float
+    settling: float
+    amplification: float
+    co2: float
+    fuel: float
+
+
+def gaps(record: Record) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
+    """Gaps and closing speeds on the through lane at every time.
+
+    Parameters
+    ----------
+    record : of a run
+
+    Returns
+    -------
+    s, closing : (K, n-1) gaps between fronts [m] and speeds at which they close [m/s], in the order of the road; NaN
+        where there are fewer vehicles
+    pairs : (K, n-1, 2) the two vehicles, the lower number first
+    """
+    x = np.where(record.on_road, record.x, -np.inf)
+    order = np.argsort(-x, axis=1, kind="stable")
+    x, v = np.take_along_axis(x, order, 1), np.take_along_axis(record.v, order, 1)
+    there = np.isfinite(x[:, 1:])
+    with np.errstate(invalid="ignore"):
+        s = np.where(there, x[:, :-1] - x[:, 1:], np.nan)
+    pairs = np.sort(np.stack([order[:, :-1], order[:, 1:]], axis=2), axis=2)
+    return s, np.where(there, v[:, 1:] - v[:, :-1], np.nan), pairs
+
+
+def measure(record: Record, scenario: Scenario) -> Measures:
+    """The measures of a run.
+
+    Parameters
+    ----------
+    record : of the run
+    scenario : that was run
+    """
+    step = float(record.time[1] - record.time[0])
+    s, closing, pairs = gaps(record)
+    free = s - LENGTH
+    with np.errstate(invalid="ignore", divide="ignore"):
+        ttc = np.where((closing > 0) & (free > 0), free / closing, np.inf)
+    a = np.diff(record.v, axis=0) / step
+    driven = a[:, 1:] if scenario.wave else a
+    window = max(round(_JERK_WINDOW / step), 1)
+    whole = driven[: len(driven) // window * window]
+    jerk = np.diff(whole.reshape(-1, window, whole.shape[1]).mean(axis=1), axis=0) / (window * step)
+    late = record.time > record.time[-1] - _STEADY
+    gap_mean = float(np.nanmean(s[late]))
+    away = np.flatnonzero((abs(record.v - scenario.v_star) > _SETTLED).any(axis=1))
+    settled = 0.0 if not away.size else float(record.time[away[-1]] + step)
+    never = scenario.wave or settled > record.time[-1]
+    leading, last = _rms(a[:, 0]), scenario.v.size - 1
+    kilometres = 1e-3 * (record.x[-1] - record.x[0]).sum()
+    return Measures(
+        collisions=len(set(map(tuple, pairs[free <= 0].tolist()))),
+        gap_min=max(float(np.nanmin(free)), 0.0),
+        ttc_min=float(np.nanmin(ttc)),
+        a_peak=float(abs(driven).max()),
+        a_rms=_rms(driven),
+        jerk_peak=float(abs(jerk).max()),
+        jerk_rms=_rms(jerk),
+        capacity=3600.0 * float(record.v[late].mean()) / gap_mean,
+        gap_mean=gap_mean,
+        settling=np.nan if never else settled,
+        amplification=_rms(a[:, last]) / leading if leading > 0.01 else np.nan,
+        co2=float(record.co2.sum() / kilometres),
+        fuel=float(record.fuel.sum() / kilometres),
+    )
+
+
+def _rms(values: NDArray[np.float64]) -> float:
+    return float(np.sqrt((values**2).mean()))
+
+
+COLUMNS = {
+    "collisions": ("collisions", "d"),
+    "gap_min": ("least free gap [m]", ".2f"),
+    "ttc_min": ("least TTC [s]", ".2f"),
+    "a_peak": ("peak a [m/s2]", ".2f"),
+    "a_rms": ("r.m.s. a", ".2f"),
+    "jerk_peak": ("peak jerk [m/s3]", ".1f"),
+    "jerk_rms": ("r.m.s. jerk", ".2f"),
+    "capacity": ("capacity [veh/h]", ".0f"),
+    "gap_mean": ("mean gap [m]", ".1f"),
+    "settling": ("settled after [s]", ".1f"),
+    "amplification": ("amplification", ".2f"),
+    "co2": ("CO2 [g/km]", ".1f"),
+    "fuel": ("fuel [g/km]", ".1f"),
+}
+
+
+def table(rows: dict[str, Measures]) -> str:
+    """A Markdown table, one line for each run.
+
+    Parameters
+    ----------
+    rows : by name
+    """
+    head = "| | " + " | ".join(title for title, _ in COLUMNS.values()) + " |"
+    lines = [head, "|---" * (len(COLUMNS) + 1) + "|"]
+    for name, row in rows.items():
+        cells = [format(getattr(row, field), spec).replace("nan", "-") for field, (_, spec) in COLUMNS.items()]
+        lines.append(f"| {name} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)

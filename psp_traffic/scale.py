@@ -1,0 +1,119 @@
+"""Many platoons in one SUMO run: what the controller costs beside SUMO itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
+
+import numpy as np
+
+from psp_model.state import StartDomain
+
+from .controller_fmu import ControllerFmu, Platoon
+from .driver import Driver
+from .road import write_road, write_vehicles
+from .scenario import Scenario
+from .simulation import running_sumo
+
+SIZE, SPACING = 10, 250.0  # vehicles in a platoon; [m] between leaders
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Wall time of one run.
+
+    Attributes
+    ----------
+    vehicles, steps : in the run
+    sumo, exchange, controller : [s] in SUMO's step, in reading and setting its vehicles, in the FMUs
+    """
+
+    vehicles: int
+    steps: int
+    sumo: float
+    exchange: float
+    controller: float
+
+    @property
+    def rate(self) -> float:
+        """Thousand vehicle-steps per second."""
+        return 1e-3 * self.vehicles * self.steps / (self.sumo + self.exchange + self.controller)
+
+
+def many(platoons: int, road_end: float) -> Scenario:
+    """Platoons one behind the other.
+
+    Parameters
+    ----------
+    platoons : how many
+    road_end : where the road ends [m]
+    """
+    s, v = StartDomain().draw(np.random.default_rng(1), SIZE, platoons)
+    gaps = np.concatenate([np.r_[SPACING - s[:, k].sum(), s[:, k]] for k in range(platoons)])
+    start = platoons * SPACING + 100.0
+    if start > road_end - 1000.0:
+        raise ValueError(f"{platoons} platoons do not fit on a road of {road_end:g} m")
+    return Scenario("many", gaps[1:], v.T.ravel(), x_leader=start)
+
+
+def cost(platoons: int, steps: int, driver: Driver, step: float = 0.01) -> Cost:
+    """Run platoons of ten for some steps and see where the time goes.
+
+    Parameters
+    ----------
+    platoons, steps : how many
+    driver : the controller, or a model of SUMO's, which then drives alone
+    step : of SUMO [s]
+    """
+    from .scenario import ROAD_END
+
+    scenario = many(platoons, ROAD_END)
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        vehicles = write_vehicles(folder, scenario, driver)
+        with running_sumo(write_road(folder), vehicles, step, 1, False) as sumo:
+            sumo.simulationStep()
+            names = [str(i) for i in range(scenario.v.size)]
+            for one in names:
+                sumo.vehicle.setLaneChangeMode(one, 0)
+                if driver.fmu is None:
+                    sumo.vehicle.setMaxSpeed(one, scenario.v_star)
+                else:
+                    sumo.vehicle.setSpeedMode(one, 0)
+            if driver.fmu is None:
+                return _of_sumo(sumo, len(names), steps)
+            fmu = ControllerFmu(driver.fmu, folder / "fmu")
+            controllers = [Platoon(fmu, f"platoon{k}", driver.parameters, step) for k in range(platoons)]
+            found = _of_controllers(sumo, names, controllers, steps, step)
+            for controller in controllers:
+                controller.close()
+            return found
+
+
+def _of_sumo(sumo: object, vehicles: int, steps: int) -> Cost:
+    begin = perf_counter()
+    for _ in range(steps):
+        sumo.simulationStep()  # type: ignore[attr-defined]
+    return Cost(vehicles, steps, perf_counter() - begin, 0.0, 0.0)
+
+
+def _of_controllers(sumo: object, names: list[str], controllers: list[Platoon], steps: int, step: float) -> Cost:
+    of_sumo = of_exchange = of_controllers = 0.0
+    vehicle = sumo.vehicle  # type: ignore[attr-defined]
+    for k in range(steps):
+        begin = perf_counter()
+        x = np.array([vehicle.getPosition(name)[0] for name in names]).reshape(-1, SIZE)
+        v = np.array([vehicle.getSpeed(name) for name in names]).reshape(-1, SIZE)
+        read = perf_counter()
+        a = np.array([c.command(-np.diff(x[j]), v[j], k * step) for j, c in enumerate(controllers)])
+        decided = perf_counter()
+        for name, speed in zip(names, (v + step * a).ravel(), strict=True):
+            vehicle.setSpeed(name, speed)
+        written = perf_counter()
+        sumo.simulationStep()  # type: ignore[attr-defined]
+        of_sumo += perf_counter() - written
+        of_exchange += read - begin + written - decided
+        of_controllers += decided - read
+    return Cost(len(names), steps, of_sumo, of_exchange, of_controllers)

@@ -1,0 +1,191 @@
+"""One run of a scenario in SUMO."""
+
+from __future__ import annotations
+
+import warnings
+from collections import deque
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .controller_fmu import ControllerFmu, Platoon, Vector
+from .driver import Driver
+from .road import sumo_home, write_road, write_vehicles
+from .scenario import LENGTH, Scenario, wave_speed
+
+JOIN_ROOM, LANE_CHANGE_ROOM = 1.0, 3.0  # [m] free behind and ahead beyond L: to be counted in, to change lanes
+
+
+@dataclass(frozen=True)
+class Disturbance:
+    """What stands between the controller and the vehicles.
+
+    Attributes
+    ----------
+    delay : age of what is measured [s], in whole steps
+    lag : time constant of the actuators [s]
+    ballistic : SUMO's ballistic instead of its Euler step
+    """
+
+    delay: float = 0.0
+    lag: float = 0.0
+    ballistic: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """What happened; vehicles by their names 0, 1, ... along the second axis.
+
+    Attributes
+    ----------
+    time : (K,) [s]
+    x, v : (K, n) positions of the fronts [m] and speeds [m/s]
+    on_road : (K, n) whether on the through lane
+    co2, fuel : (n,) emitted and used in all [g]
+    reports : what the controller says of itself, empty where SUMO drives
+    """
+
+    time: Vector
+    x: Vector
+    v: Vector
+    on_road: NDArray[np.bool_]
+    co2: Vector
+    fuel: Vector
+    reports: dict[str, float]
+
+
+@contextmanager
+def running_sumo(network: Path, vehicles: Path, step: float, seed: int, ballistic: bool) -> Iterator[Any]:
+    """libsumo with a simulation loaded, closed at the end."""
+    sumo_home()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        import libsumo
+    options = ["--no-step-log", "--no-warnings", "--collision.action", "none", "--time-to-teleport", "-1"]
+    options += ["--step-method.ballistic", "true"] if ballistic else []
+    files = ["-n", str(network), "-r", str(vehicles)]
+    libsumo.start(["sumo", *files, "--step-length", repr(step), "--seed", str(seed), *options])
+    try:
+        yield libsumo
+    finally:
+        libsumo.close()
+
+
+def simulate(
+    scenario: Scenario, driver: Driver, *, step: float = 0.01, seed: int = 1, disturbance: Disturbance | None = None
+) -> Record:
+    """Run a scenario, headless; the same arguments give the same record.
+
+    Parameters
+    ----------
+    scenario : what happens
+    driver : who drives
+    step : of SUMO, and the controller's sampling period [s]
+    seed : of SUMO
+    disturbance : between controller and vehicles; none by default
+    """
+    disturbance = disturbance or Disturbance()
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        vehicles = write_vehicles(folder, scenario, driver)
+        with running_sumo(write_road(folder), vehicles, step, seed, disturbance.ballistic) as sumo:
+            return _Run(sumo, scenario, driver, step, disturbance, folder).go()
+
+
+class _Run:
+    """The loop around SUMO's step."""
+
+    def __init__(
+        self, sumo: Any, scenario: Scenario, driver: Driver, step: float, disturbance: Disturbance, folder: Path
+    ):
+        self.sumo, self.scenario, self.driver, self.step = sumo, scenario, driver, step
+        self.names = [str(i) for i in range(scenario.vehicles)]
+        self.members = list(range(scenario.v.size))  # in the platoon, leader first
+        self.waiting = [i for i in range(scenario.vehicles) if i not in self.members]
+        self.platoon: Platoon | None = None
+        if driver.fmu is not None:
+            fmu = ControllerFmu(driver.fmu, folder / "fmu")
+            values = dict(driver.parameters) | {"v_star": scenario.v_star}
+            self.platoon = Platoon(fmu, "controller", values, step)
+        self.lag, self.ballistic = disturbance.lag, disturbance.ballistic
+        self.past: deque[tuple[float, Vector, Vector]] = deque(maxlen=1 + round(disturbance.delay / step))
+        lengths = [sumo.lane.getLength(f"{edge}_0") for edge in ("before", "beside")]
+        self.begins = {"before": 0.0, "beside": lengths[0], "after": sum(lengths)}  # [m] of each edge
+        self.actual = np.zeros(scenario.vehicles)  # [m/s2] what the actuators do
+
+    def go(self) -> Record:
+        sumo, n = self.sumo, len(self.names)
+        sumo.simulationStep()  # puts the vehicles on the road
+        for name in self.names:
+            sumo.vehicle.setLaneChangeMode(name, 1621 if self.platoon is None else 0)
+            if self.platoon is not None:
+                sumo.vehicle.setSpeedMode(name, 0)
+            else:
+                sumo.vehicle.setMaxSpeed(name, self.scenario.v_star)  # only now: some start faster
+        if self.scenario.wave:
+            sumo.vehicle.setSpeedMode("0", 0)
+        count = round(self.scenario.duration / self.step)
+        x, v, road = np.zeros((count, n)), np.zeros((count, n)), np.zeros((count, n), dtype=bool)
+        co2, fuel = np.zeros(n), np.zeros(n)
+        for k in range(count):
+            for i, name in enumerate(self.names):
+                lane = sumo.vehicle.getLaneID(name)
+                x[k, i] = self.begins[lane.partition("_")[0]] + sumo.vehicle.getLanePosition(name)
+                v[k, i] = sumo.vehicle.getSpeed(name)
+                road[k, i] = lane != "beside_0"
+                co2[i] += 1e-3 * self.step * sumo.vehicle.getCO2Emission(name)
+                fuel[i] += 1e-3 * self.step * sumo.vehicle.getFuelConsumption(name)
+            if self.scenario.wave:
+                sumo.vehicle.setSpeed("0", wave_speed((k + 1) * self.step))
+            if self.platoon is not None:
+                self._control(k * self.step, x[k], v[k], road[k])
+            sumo.simulationStep()
+        reports = {} if self.platoon is None else self.platoon.reports()
+        if self.platoon is not None:
+            self.platoon.close()
+        return Record(self.step * np.arange(count, dtype=np.float64), x, v, road, co2, fuel, reports)
+
+    def _control(self, time: float, x: Vector, v: Vector, on_road: NDArray[np.bool_]) -> None:
+        """Measure, ask the controller, and set the speeds that its accelerations lead to within a step."""
+        platoon = self.platoon
+        assert platoon is not None
+        self._count_in(x, v)
+        self.past.append((time, x.copy(), v.copy()))
+        measured_at, x_seen, v_seen = self.past[0]
+        order = self.members
+        v_desired = max(v_seen[0], 0.1) if self.driver.follows else -1.0
+        a = platoon.command(-np.diff(x_seen[order]), v_seen[order], measured_at, v_desired)
+        share = 1.0 if self.lag <= 0.0 else -np.expm1(-self.step / self.lag)
+        for i, command in zip(order, a, strict=True):
+            self.actual[i] += share * (command - self.actual[i])
+            if i == 0 and self.scenario.wave:
+                continue
+            self.sumo.vehicle.setSpeed(self.names[i], max(v[i] + self.step * self.actual[i], 0.0))
+            if not on_road[i]:
+                self._change_lane(i, order, x)
+        for i in self.waiting:  # at constant speed until there is a gap beside
+            self.sumo.vehicle.setSpeed(self.names[i], v[i])
+
+    def _count_in(self, x: Vector, v: Vector) -> None:
+        """A vehicle on the acceleration lane belongs to the platoon from when it is beside a gap (virtual vehicle)."""
+        for i in list(self.waiting):
+            ahead = [j for j in self.members if x[j] > x[i]]
+            behind = [j for j in self.members if x[j] <= x[i]]
+            least = LENGTH + JOIN_ROOM
+            if (not ahead or x[ahead[-1]] - x[i] > least) and (not behind or x[i] - x[behind[0]] > least):
+                self.members.insert(len(ahead), i)
+                self.waiting.remove(i)
+
+    def _change_lane(self, i: int, order: list[int], x: Vector) -> None:
+        """Change to the through lane where there is room."""
+        place, least = order.index(i), LENGTH + LANE_CHANGE_ROOM
+        free_ahead = place == 0 or x[order[place - 1]] - x[i] > least
+        free_behind = place == len(order) - 1 or x[i] - x[order[place + 1]] > least
+        if free_ahead and free_behind and x[i] < self.begins["after"] - 10.0:
+            self.sumo.vehicle.changeLane(self.names[i], 1, 1000.0)

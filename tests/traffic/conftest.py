@@ -1,0 +1,55 @@
+"""FMUs of the controller and of ideal vehicles, built once for all tests of this folder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from build_fmu import main as build
+from harness import Instance, Unpacked
+
+
+def _unpacked(component: str, folder: Path) -> Unpacked:
+    assert build(["--component", component, "--output", str(folder)]) == 0
+    (path,) = folder.glob("*.fmu")
+    return Unpacked(path, folder / "unpacked")
+
+
+@pytest.fixture(scope="session")
+def controller_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
+    """PspController.fmu for up to 7 vehicles."""
+    return _unpacked("controller", tmp_path_factory.mktemp("controller"))
+
+
+@pytest.fixture(scope="session")
+def plant_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
+    """PspPlant.fmu with 7 vehicles."""
+    return _unpacked("plant", tmp_path_factory.mktemp("plant"))
+
+
+@pytest.fixture(scope="session")
+def leader_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
+    """PspLeader.fmu."""
+    return _unpacked("leader", tmp_path_factory.mktemp("leader"))
+
+
+@pytest.fixture(scope="session")
+def platoon_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
+    """PspPlatoon.fmu with 7 vehicles."""
+    return _unpacked("platoon", tmp_path_factory.mktemp("platoon"))
+
+
+@pytest.fixture
+def instances() -> Iterator[Callable[..., Instance]]:
+    """Makes instances and frees them at the end."""
+    created: list[Instance] = []
+
+    def make(of: Unpacked, **options: object) -> Instance:
+        created.append(Instance(of, f"instance{len(created)}", **options))
+        return created[-1]
+
+    yield make
+    for each in created:
+        each.close()

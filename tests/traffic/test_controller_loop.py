@@ -1,0 +1,128 @@
+"""The controller FMU around ideal vehicles is the closed loop: in process and as a flat SSP in three masters."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from fmu_src.ssp import write_loop
+from harness import ERROR, OK, random_start, starts
+
+T, N = 0.01, 7
+CASES = [{"potential": 1}, {"potential": 2}, {"parameter_source": 2, "alpha_fixed": 2e-3, "r_fixed": 12.0}]
+SEEN = [f"v[{i}]" for i in range(1, N + 1)] + [f"s[{i}]" for i in range(2, N + 1)] + ["x[1]", "x[7]"]
+
+
+def measurement(plant) -> dict[str, float]:
+    gaps, speeds = plant.group("s"), plant.group("v")
+    named = {f"s[{i}]": gap for i, gap in enumerate(gaps, start=2)}
+    return named | {f"v[{i}]": speed for i, speed in enumerate(speeds, start=1)}
+
+
+@pytest.mark.parametrize("case", CASES, ids=["V_old", "network", "fixed"])
+@pytest.mark.parametrize("steps_per_period", [1, 3])
+def test_around_ideal_vehicles_it_is_the_closed_loop(
+    instances, platoon_fmu, plant_fmu, controller_fmu, case, steps_per_period
+):
+    values = starts(*random_start(21)) | {"x_start": 3.0}
+    loop, plant, controller = instances(platoon_fmu), instances(plant_fmu), instances(controller_fmu)
+    assert loop.initialise(values | case) == OK
+    assert plant.initialise(values) == OK
+    assert controller.initialise(case) == OK
+    step = T / steps_per_period
+    for k in range(1500):
+        np.testing.assert_allclose(plant.get(*SEEN), loop.get(*SEEN), rtol=0, atol=1e-9)
+        assert controller.set(measurement(plant)) == OK
+        a = controller.group("a")
+        np.testing.assert_allclose(a, loop.group("a"), rtol=0, atol=1e-9)
+        reports = ("alpha", "r", "p", "T_max", "lemma1_ok", "lemma1_violations")
+        np.testing.assert_allclose(controller.get(*reports), loop.get(*reports), rtol=0, atol=1e-9)
+        assert plant.set({f"a[{i}]": a_i for i, a_i in enumerate(a, start=1)}) == OK
+        for j in range(steps_per_period):
+            for instance in (loop, plant, controller):
+                assert instance.step(k * T + j * step, step) == OK
+
+
+@pytest.fixture(scope="module")
+def expected(platoon_fmu) -> np.ndarray:
+    """The closed loop after 2 s from the start values of the FMUs."""
+    from harness import Instance
+
+    instance = Instance(platoon_fmu)
+    assert instance.initialise() == OK
+    assert instance.step(0.0, 2.0) == OK
+    values = instance.get(*SEEN)
+    instance.close()
+    return np.array(values)
+
+
+@pytest.fixture(scope="module")
+def ssp(tmp_path_factory, plant_fmu, controller_fmu, leader_fmu):
+    path = tmp_path_factory.mktemp("ssp") / "loop.ssp"
+    return write_loop(path, plant_fmu.path, controller_fmu.path, N, {}, leader_fmu.path)
+
+
+def test_the_ssp_in_fmpy(ssp, expected):
+    from fmpy.ssp import simulation
+
+    phase = SimpleNamespace(name="controller.phase", value=0.5 * T)  # fmpy does not read inline parameters
+    chosen = SimpleNamespace(parameters=[phase])
+    result = simulation.simulate_ssp(str(ssp), stop_time=2.0 - T / 8, step_size=T / 4, parameter_set=chosen)
+    names = [name for name in SEEN if not name.startswith("x")]
+    values = [result[f"plant.{name}"][-1] for name in names]
+    np.testing.assert_allclose(values, expected[: len(names)], rtol=0, atol=1e-9)
+
+
+def test_the_leader_drives_its_wave_and_refuses_a_senseless_one(instances, leader_fmu):
+    leader = instances(leader_fmu)
+    assert leader.initialise({"v_low": 14.0}) == OK
+    seen = []
+    for k in range(50):
+        seen.append(leader.get("v")[0])
+        assert leader.step(float(k), 1.0) == OK
+    expected = [30.0 if k < 10 else 22 + 8 * np.cos(2 * np.pi * (k - 10) / 40) for k in range(50)]
+    np.testing.assert_allclose(seen, expected, atol=1e-12)
+    assert leader.call("fmi2Reset") == OK
+    assert leader.initialise({"v_low": 31.0}) == ERROR
+    assert "31" in leader.messages[-1][1]
+
+
+def run_script(text: str, folder) -> list[float]:
+    """The numbers that a script prints after VALUES; in a process of its own, as masters load libraries for good."""
+    ran = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, cwd=folder, check=False)
+    assert "VALUES" in ran.stdout, ran.stdout + ran.stderr
+    return json.loads(ran.stdout.split("VALUES")[1].splitlines()[0])
+
+
+def test_the_ssp_in_ecos(ssp, expected, tmp_path):
+    script = f"""
+from ecospy import EcosSimulation, EcosSimulationStructure
+import json
+with EcosSimulation(ssp_path={str(ssp)!r}, step_size={T / 4}) as simulation:
+    simulation.init()
+    simulation.step(800)
+    print("VALUES" + json.dumps([simulation.get_real("plant::" + name) for name in {SEEN!r}]))
+    simulation.terminate()
+"""
+    np.testing.assert_allclose(run_script(script, tmp_path), expected, rtol=0, atol=1e-9)
+
+
+def test_the_ssp_in_libcosim(ssp, expected, plant_fmu, tmp_path):
+    references = [plant_fmu.reference[name] for name in SEEN]
+    script = f"""
+from libcosimpy.CosimExecution import CosimExecution
+from libcosimpy.CosimObserver import CosimObserver
+import json
+execution = CosimExecution.from_ssp_file(ssp_path={str(ssp)!r}, step_size={round(T / 4 * 1e9)})
+observer = CosimObserver.create_last_value()
+assert execution.add_observer(observer)
+assert execution.simulate_until(target_time=2_000_000_000)
+plant = execution.slave_index_from_instance_name("plant")
+print("VALUES" + json.dumps(list(observer.last_real_values(plant, {references!r}))))
+"""
+    np.testing.assert_allclose(run_script(script, tmp_path), expected, rtol=0, atol=1e-9)

@@ -1,0 +1,141 @@
+"""Joining and leaving through FMI: what is asked for happens, once, or is refused with the platoon unharmed."""
+
+from __future__ import annotations
+
+from math import nan
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from build_fmu import main as build
+from harness import OK, WARNING, Unpacked, random_start, starts
+from psp_model import BEST_FIXED, PlatoonState, Sampling, simulate
+
+T, N = 0.01, 7
+FIXED = {"parameter_source": 2, "lemma1_policy": 3}
+
+
+@pytest.fixture(scope="module")
+def open_fmu(tmp_path_factory) -> Unpacked:
+    folder = tmp_path_factory.mktemp("open")
+    assert build(["--component", "open-platoon", "--output", str(folder)]) == 0
+    return Unpacked(Path(folder) / "PspOpenPlatoon.fmu", folder / "unpacked")
+
+
+@pytest.fixture
+def road(instances, open_fmu):
+    return instances(open_fmu)
+
+
+def join(behind: float, gap: float, speed: float) -> dict[str, float]:
+    return {"insert": 1.0, "insert_behind": behind, "insert_gap": gap, "insert_speed": speed}
+
+
+def active(road, name: str) -> list[float]:
+    n = int(road.get("n_active")[0])
+    values = road.group(name)
+    assert not any(values[n - (name == "s") :])
+    return values[: n - (name == "s")]
+
+
+def test_without_changes_it_is_the_closed_loop(instances, open_fmu, platoon_fmu):
+    values = starts(*random_start(31)) | {"x_start": 7.0}
+    road, loop = instances(open_fmu), instances(platoon_fmu)
+    assert road.initialise(values) == OK and loop.initialise(values) == OK
+    names = [v.name for v in platoon_fmu.description.modelVariables if v.causality == "output"]
+    for k in range(300):
+        assert road.get(*names) == loop.get(*names)
+        assert road.step(0.7 * k * T, 0.7 * T) == OK and loop.step(0.7 * k * T, 0.7 * T) == OK
+
+
+def test_after_a_join_it_goes_on_as_a_platoon_that_starts_there(road):
+    s, v = random_start(32)
+    assert road.initialise(FIXED | starts(s, v) | {"n_start": 6}) == OK
+    assert road.get("n_active", "vehicle[6]", "vehicle[7]") == [6.0, 6.0, 0.0]
+    assert road.step(0.0, 1.0) == OK
+    gaps, speeds = active(road, "s"), active(road, "v")
+    assert road.set(join(6, 9.5, 29.0)) == OK
+    assert road.step(1.0, 1.0) == OK
+    assert road.get("n_active", "vehicle[7]", "change_ok", "changes") == [7.0, 7.0, 1.0, 1.0]
+    run = simulate(
+        PlatoonState(np.array([*gaps, 9.5]), np.array([*speeds, 29.0])), BEST_FIXED, duration=1.0, sampling=Sampling(T)
+    )
+    np.testing.assert_allclose(active(road, "s"), run.s[-1], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(active(road, "v"), run.v[-1], rtol=0, atol=1e-9)
+
+
+def test_a_trigger_acts_once_when_it_rises_and_between_instants_too(road):
+    assert road.initialise(FIXED | {"n_start": 4}) == OK
+    assert road.step(0.0, 0.0137) == OK
+    assert road.set({"remove": 1.0, "remove_place": 1.0}) == OK
+    assert road.step(0.0137, 0.0) == OK
+    assert road.get("n_active") == [4.0]
+    x = active(road, "x")
+    for k in range(5):
+        assert road.step(0.0137 + k * T, T) == OK
+        assert road.get("n_active", "vehicle[1]", "vehicle[3]", "vehicle[4]") == [3.0, 2.0, 4.0, 0.0]
+    assert all(now > before for now, before in zip(active(road, "x"), x[1:], strict=True))
+
+
+def test_a_join_that_lemma_1_does_not_cover_is_refused_and_the_offered_gap_does(road):
+    assert road.initialise(FIXED | starts([20.0] * 6, [30.0] * 7) | {"n_start": 4}) == OK
+    before = road.outputs()
+    assert road.set(join(2, 5.1, 30.0)) == OK
+    assert road.step(0.0, 1e-9) == WARNING
+    assert road.get("change_ok", "refusals", "changes", "n_active") == [0.0, 1.0, 0.0, 4.0]
+    (offered,) = road.get("gap_offered")
+    assert "would do" in road.messages[-1][1] and f"{offered:.10g}" in road.messages[-1][1]
+    unharmed = len(before) - N - 5  # what changes counts comes last
+    np.testing.assert_allclose(road.outputs()[:unharmed], before[:unharmed], atol=1e-6)
+    assert road.set({"insert": 0.0}) == OK
+    assert road.step(1e-9, 1e-9) == OK
+    assert road.set(join(2, offered, 30.0)) == OK
+    assert road.step(2e-9, T) == OK
+    assert road.get("change_ok", "n_active", "vehicle[3]") == [1.0, 5.0, 5.0]
+
+
+@pytest.mark.parametrize("request_", [join(nan, 9.0, 30.0), join(3, nan, 30.0), join(3, 9.0, nan), join(9, 9.0, 30.0)])
+def test_a_senseless_join_is_refused(road, request_):
+    assert road.initialise(FIXED | {"n_start": 3}) == OK
+    assert road.set(request_) == OK
+    assert road.step(0.0, T) == WARNING
+    assert road.get("change_ok", "n_active") == [0.0, 3.0]
+
+
+def drive(road, seed: int, count: int, first: int) -> list[list[float]]:
+    """Steps of random length with a random request before each."""
+    rng, seen, time = np.random.default_rng(seed), [], first * 0.05
+    for k in range(count):
+        asked = join(rng.integers(0, 8), rng.uniform(5, 30), rng.uniform(0, 35))
+        asked |= {"insert": float(k % 2), "remove": float(rng.random() < 0.3), "remove_place": rng.integers(1, 8)}
+        assert road.set({name: float(value) for name, value in asked.items()}) == OK
+        assert road.step(time, 0.05) <= WARNING
+        time += 0.05
+        seen.append(road.outputs())
+    return seen
+
+
+def test_a_replay_from_a_saved_or_serialised_state_gives_the_identical_future(instances, open_fmu):
+    road, other = instances(open_fmu), instances(open_fmu)
+    assert road.initialise(FIXED) == OK
+    drive(road, 1, 60, 0)
+    state = road.slave.getFMUstate()
+    data = road.slave.serializeFMUstate(state)
+    expected = drive(road, 2, 60, 60)
+    sizes = {row[-(N + 5)] for row in expected}
+    assert len(sizes) > 2
+    road.slave.setFMUstate(state)
+    assert drive(road, 2, 60, 60) == expected
+    other.slave.setFMUstate(other.slave.deSerializeFMUstate(data))
+    assert drive(other, 2, 60, 60) == expected
+    assert other.call("fmi2Reset") == OK
+    assert road.call("fmi2Reset") == OK
+    assert road.initialise(FIXED) == OK and other.initialise(FIXED) == OK
+    assert road.outputs() == other.outputs()
+
+
+def test_the_description_passes_fmpys_checks(open_fmu):
+    from fmpy.validation import validate_fmu
+
+    assert validate_fmu(str(open_fmu.path)) == []
