@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from fmpy import simulate_fmu, write_csv
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from psp_model import Run
@@ -34,7 +35,7 @@ def main(fmu: str = "dist/PspPlatoon.fmu", folder: str = "out") -> dict[str, Run
 
 def table(runs: dict[str, Run]) -> Table:
     """The figures that the paper's two scenarios are compared by."""
-    out = Table("", *runs, title="Scenario 1 (V_old) and scenario 2 (V_new with the network), 20 s")
+    out = Table("", *runs, title="Scenario 1: V_old, scenario 2: V_new")
     rows = {
         "final gaps [m]": lambda run: f"{run.s[-1].min():.2f} .. {run.s[-1].max():.2f}",
         "smallest gap [m]": lambda run: f"{run.s.min():.2f}",
@@ -45,7 +46,7 @@ def table(runs: dict[str, Run]) -> Table:
         "smallest T_max [s]": lambda run: f"{run.T_max.min():.4f}",
     }
     for label, value in rows.items():
-        out.add_row(label, *(value(run) for run in runs.values()))
+        out.add_row(escape(label), *(value(run) for run in runs.values()))
     return out
 
 

@@ -40,7 +40,7 @@ def test_the_scenarios_write_picture_and_csv_and_show_what_the_paper_says(workpl
     assert {path.name for path in Path("out").iterdir()} >= {"V_old.csv", "V_new.csv", "scenarios.png"}
     assert runs["V_old"].s[-1].min() > 20.0
     assert np.abs(runs["V_old"].a).max() > 30 * np.abs(runs["V_new"].a).max()
-    assert "J_acceleration" in capsys.readouterr().out
+    assert "peak |acceleration| [m/s2]" in capsys.readouterr().out
 
 
 def test_ten_lines_of_python(workplace, monkeypatch):
