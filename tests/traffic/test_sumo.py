@@ -106,7 +106,7 @@ def test_the_command_line_shows_a_table(fmu, capsys):
 
 
 def test_the_example_runs(capsys):
-    spec = spec_from_file_location("in_sumo", Path(__file__).parents[2] / "examples" / "06_in_sumo.py")
+    spec = spec_from_file_location("in_sumo", Path(__file__).parents[2] / "examples" / "04_in_sumo.py")
     module = module_from_spec(spec)
     spec.loader.exec_module(module)
     rows = module.main(15.0)
