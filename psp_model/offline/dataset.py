@@ -6,6 +6,7 @@ import io
 import os
 import shutil
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
 
@@ -96,13 +97,20 @@ def _assembled(parts: Path, count: int) -> dict[str, Any]:
 
 
 def _here(plan: Plan, missing: list[int], threads: int | None) -> Iterator[tuple[int, bytes]]:
-    for number in missing:
-        yield number, solve_chunk(plan, number, threads)
+    """Chunks side by side, a thread each: what Python does for one overlaps with the rollouts of another."""
+    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
+        numbers = {pool.submit(solve_chunk, plan, number, 1): number for number in missing}
+        try:
+            for future in as_completed(list(numbers)):
+                yield numbers.pop(future), future.result()
+        finally:
+            pool.shutdown(cancel_futures=True)
 
 
 def _on_cluster(plan: Plan, missing: list[int], scheduler: str) -> Iterator[tuple[int, bytes]]:
     """Solved chunks as the cluster hands them in; a chunk whose worker died is solved again by another."""
-    from distributed import Client, as_completed
+    from distributed import Client
+    from distributed import as_completed as cluster_completed
 
     try:
         client = Client(scheduler, timeout="10s")  # type: ignore[no-untyped-call]
@@ -112,6 +120,6 @@ def _on_cluster(plan: Plan, missing: list[int], scheduler: str) -> Iterator[tupl
         ) from None
     with client:
         numbers = {client.submit(solve_chunk, plan, number, 1, pure=False, retries=10): number for number in missing}
-        for future in as_completed(list(numbers)):  # type: ignore[no-untyped-call]
+        for future in cluster_completed(list(numbers)):  # type: ignore[no-untyped-call]
             yield numbers[future], future.result()
             future.release()
