@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 from psp_model.leader import Wave
@@ -57,12 +56,3 @@ class PspLeader(TableSlave):
         for name in _SAVED:
             setattr(self, name, state[name])
         self._values, self._stale = list(state["_values"]), True
-
-    @staticmethod
-    def _fmu_state_to_bytes(state: dict[str, Any]) -> bytes:
-        return json.dumps(state).encode()
-
-    @staticmethod
-    def _fmu_state_from_bytes(data: bytes) -> dict[str, Any]:
-        state: dict[str, Any] = json.loads(data)
-        return state

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import numpy as np
@@ -83,15 +82,6 @@ class PspPlant(TableSlave):
             setattr(self, name, state[name])
         self._values, self._stale, plant = list(state["_values"]), True, state["plant"]
         self._plant = plant and IdealPlant(_unpack(plant["now"]), plant["T"], plant["period"])
-
-    @staticmethod
-    def _fmu_state_to_bytes(state: dict[str, Any]) -> bytes:
-        return json.dumps(state).encode()
-
-    @staticmethod
-    def _fmu_state_from_bytes(data: bytes) -> dict[str, Any]:
-        state: dict[str, Any] = json.loads(data)
-        return state
 
 
 def _pack(motion: Motion) -> dict[str, Any]:
