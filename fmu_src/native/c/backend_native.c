@@ -60,9 +60,14 @@ bool native_initialise(Backend *backend)
 {
     Model *model = &backend->model;
     Request request;
-    if (!platoon_read(&model->platoon, backend->front, model->values, &request)) return false;
-    model->in_domain = PSP_NETWORK && !outside_domain(request.s, request.v, &model->platoon.constants) ? 1.0 : 0.0;
-    if (!platoon_choose(&model->platoon, backend->front, &request)) return false;
+    Platoon *platoon = &model->platoon;
+    bool in_domain;
+    if (!platoon_read(platoon, backend->front, model->values, &request)) return false;
+    model->in_domain =
+        network_for(request.n) && !outside_domain(request.n, request.s, request.v, &platoon->constants) ? 1.0 : 0.0;
+    if (!choose_shape(backend->front, &platoon->constants, &platoon->weights, platoon->T, &request, &platoon->shape,
+                      &in_domain))
+        return false;
     model->period = 0;
     model->fraction = 0.0;
     model->has_platoon = platoon_start(&model->platoon, backend->front);
@@ -89,7 +94,7 @@ fmi2Status backend_do_step(Backend *backend, double from, double size)
 {
     Model *model = &backend->model;
     Platoon *platoon = &model->platoon;
-    const double periods = platoon_locate(from + size - model->start_time, platoon->T, &model->fraction);
+    const double periods = locate(from + size - model->start_time, platoon->T, &model->fraction);
     if (!(fabs(periods) < PERIODS_MAX))
         return front_fail(backend->front, "fmi2DoStep was asked for a step of %.10g s, more sampling periods than can be "
                                           "counted: take a shorter step", size);
@@ -112,7 +117,7 @@ static const Instant *observed(Backend *backend)
     const double tau = ((double)(model->period - platoon->now.period) + fraction) * platoon->T;
     if (tau == 0.0) return &platoon->now;
     backend->between = platoon->now;
-    platoon_pass(platoon, &backend->between, tau);
+    pass_time(&platoon->weights, &backend->between, tau);
     return &backend->between;
 }
 

@@ -1,5 +1,5 @@
 /* The feasible set of (alpha, r, p), and the way into it: mirrors psp_model/feasible.py. */
-#include "platoon.h"
+#include "vehicles.h"
 
 #include <math.h>
 #include <stdlib.h>

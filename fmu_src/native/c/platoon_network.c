@@ -1,5 +1,5 @@
 /* The network: Gemm and Relu over the tables in psp_network.h, which come from the ONNX file. */
-#include "platoon.h"
+#include "vehicles.h"
 
 #include <stddef.h>
 #include <stdlib.h>
@@ -22,10 +22,11 @@ static void apply(const PspLayer *layer, const float *input, float *output)
     }
 }
 
-static const float *run(const PspLayer *layers, int count, const double *s, const double *v, float buffer[2][PSP_WIDEST])
+static const float *run(const PspLayer *layers, int count, int n, const double *s, const double *v,
+                        float buffer[2][PSP_WIDEST])
 {
-    for (int i = 0; i < PSP_N - 1; i++) buffer[0][i] = (float)s[i];
-    for (int i = 0; i < PSP_N; i++) buffer[0][PSP_N - 1 + i] = (float)v[i];
+    for (int i = 0; i < n - 1; i++) buffer[0][i] = (float)s[i];
+    for (int i = 0; i < n; i++) buffer[0][n - 1 + i] = (float)v[i];
     for (int k = 0; k < count; k++) apply(&layers[k], buffer[k % 2], buffer[1 - k % 2]);
     return buffer[count % 2];
 }
@@ -54,41 +55,49 @@ static int ranked(const float *scores, int count, Shape *best)
 }
 #endif
 
-int network_candidates(const double *s, const double *v, int count, Shape *candidates)
+bool network_for(int n) { return n == PSP_N; }
+
+int network_candidates(int n, const double *s, const double *v, int count, Shape *candidates)
 {
     float buffer[2][PSP_WIDEST];
-    candidates[0] = triple(run(PSP_PARAMETER_LAYERS, PSP_PARAMETER_LAYER_COUNT, s, v, buffer));
+    candidates[0] = triple(run(PSP_PARAMETER_LAYERS, PSP_PARAMETER_LAYER_COUNT, n, s, v, buffer));
 #if PSP_DICTIONARY
     if (count > 1)
-        return 1 + ranked(run(PSP_SCORE_LAYERS, PSP_SCORE_LAYER_COUNT, s, v, buffer), count - 1, candidates + 1);
+        return 1 + ranked(run(PSP_SCORE_LAYERS, PSP_SCORE_LAYER_COUNT, n, s, v, buffer), count - 1, candidates + 1);
 #endif
     (void)count;
     return 1;
 }
 
-const char *outside_domain(const double *s, const double *v, const Constants *c)
+const char *outside_domain(int n, const double *s, const double *v, const Constants *c)
 {
     const Constants trained = PSP_TRAINED_CONSTANTS;
     if (c->L != trained.L || c->lam != trained.lam || c->v_star != trained.v_star || c->v_max != trained.v_max ||
         c->epsilon != trained.epsilon || c->mu != trained.mu || c->z != trained.z)
         return "other constants than the network was trained with";
     bool inside = true;
-    for (int i = 0; i < PSP_N; i++) inside = inside && v[i] >= PSP_SPEED_MIN && v[i] <= PSP_SPEED_MAX;
-    for (int i = 0; i < PSP_N - 1; i++)
+    for (int i = 0; i < n; i++) inside = inside && v[i] >= PSP_SPEED_MIN && v[i] <= PSP_SPEED_MAX;
+    for (int i = 0; i < n - 1; i++)
         inside = inside && s[i] >= PSP_GAP_MIN && s[i] <= PSP_GAP_MAX && s[i] > PSP_STANDSTILL + PSP_HEADWAY * v[i + 1];
     return inside ? NULL : "gaps or speeds outside the network's training domain";
 }
 
 #else
-int network_candidates(const double *s, const double *v, int count, Shape *candidates)
+bool network_for(int n)
 {
-    (void)s, (void)v, (void)count, (void)candidates;
+    (void)n;
+    return false;
+}
+
+int network_candidates(int n, const double *s, const double *v, int count, Shape *candidates)
+{
+    (void)n, (void)s, (void)v, (void)count, (void)candidates;
     return 0;
 }
 
-const char *outside_domain(const double *s, const double *v, const Constants *constants)
+const char *outside_domain(int n, const double *s, const double *v, const Constants *constants)
 {
-    (void)s, (void)v, (void)constants;
+    (void)n, (void)s, (void)v, (void)constants;
     return "no network";
 }
 #endif

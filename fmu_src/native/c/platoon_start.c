@@ -1,0 +1,57 @@
+/* What a platoon starts with: the checks of psp_model/platoon.py and state.py. */
+#include "platoon.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static bool read_sampling(Front *front, const double *read, Platoon *platoon)
+{
+    int policy, max_short_periods;
+    platoon->T = read[PSP_T];
+    if (!read_choice(front, "lemma1_policy", read[PSP_lemma1_policy], 1, 3, &policy) ||
+        !read_choice(front, "max_short_periods", read[PSP_max_short_periods], 1, 0, &max_short_periods) ||
+        !finite_or_log(front, "T", platoon->T, "s"))
+        return false;
+    REQUIRE(platoon->T > 0.0, PSP_SENTENCE_T, platoon->T);
+    platoon->policy = policy;
+    platoon->max_short_periods = max_short_periods;
+    return true;
+}
+
+static bool check_start(Front *front, const Request *request, const Constants *c)
+{
+    char name[32];
+    if (!finite_or_log(front, "x_start", request->x, "m")) return false;
+    for (int i = 0; i < request->n - 1; i++) {
+        snprintf(name, sizeof name, "s_start[%d]", i + 2);
+        if (!finite_or_log(front, name, request->s[i], "m")) return false;
+        REQUIRE(request->s[i] > c->L, PSP_SENTENCE_gap, i + 2, request->s[i], c->L);
+    }
+    for (int i = 0; i < request->n; i++) {
+        snprintf(name, sizeof name, "v_start[%d]", i + 1);
+        if (!finite_or_log(front, name, request->v[i], "m/s")) return false;
+        REQUIRE(0.0 <= request->v[i] && request->v[i] <= c->v_max, PSP_SENTENCE_speed, i + 1, request->v[i], c->v_max,
+                i + 1);
+    }
+    return true;
+}
+
+bool platoon_read(Platoon *platoon, Front *front, const double *values, Request *request)
+{
+    memset(platoon, 0, sizeof *platoon);
+    request->n = PSP_N;
+    request->x = values[PSP_x_start];
+    request->s = values + PSP_s_start;
+    request->v = values + PSP_v_start;
+    if (!read_constants(front, values, &platoon->constants) || !read_weights(front, values, &platoon->weights) ||
+        !read_sampling(front, values, platoon) || !check_start(front, request, &platoon->constants) ||
+        !read_request(front, values, request))
+        return false;
+    REQUIRE(PSP_NETWORK || request->old || request->source == SOURCE_FIXED, PSP_SENTENCE_no_network, request->n);
+    platoon->now.n = request->n;
+    platoon->now.x = request->x;
+    memcpy(platoon->now.s, request->s, (size_t)(request->n - 1) * sizeof *request->s);
+    memcpy(platoon->now.v, request->v, (size_t)request->n * sizeof *request->v);
+    return true;
+}

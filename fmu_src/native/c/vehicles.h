@@ -1,0 +1,90 @@
+/* What platoon and controller share: up to PSP_N vehicles, their motion, and the choice of the potential.  The formulas
+ * are in psp_kernels.h, generated from the model; what is written by hand mirrors psp_model. */
+#ifndef PSP_VEHICLES_H
+#define PSP_VEHICLES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "front.h"
+#include "psp_model.h" /* generated: PSP_N, the table of variables, sentences, limits */
+
+typedef struct {
+    double L, lam, v_star, v_max, epsilon, mu, z;
+} Constants;
+
+typedef struct {
+    double w1, w2, a_ref, s_ref;
+} Weights;
+
+typedef struct {
+    double alpha, r, p, hill;
+} Shape;
+
+/* What the loop knows at a sampling instant; the time is (period + fraction) T. */
+typedef struct {
+    int64_t period, violations, n; /* n vehicles; the places behind them hold nothing */
+    double fraction, span;         /* [sampling periods] */
+    double x, T_max, cost_acceleration, cost_gaps;
+    double s[PSP_N - 1], v[PSP_N], a[PSP_N];
+} Instant;
+
+/* For whom a potential is wanted, and how it is to be chosen (psp_model/choose.py). */
+typedef struct {
+    int n;               /* vehicles, 1 to PSP_N */
+    const double *s, *v; /* gaps and speeds, leader first */
+    double x;            /* of the leader */
+    bool old;
+    int source, rollouts;
+    double horizon;
+    Shape fixed;
+    bool quiet; /* does not warn of the fallback */
+} Request;
+
+enum { SOURCE_NETWORK = 1, SOURCE_FIXED = 2, SOURCE_ROLLOUT = 3 };
+
+#define TIME_TOLERANCE 1e-6 /* [sampling periods] as in psp_model/platoon.py */
+#define PERIODS_MAX 9e15    /* more sampling periods cannot be told apart */
+
+/* Whatever is bool below is false on failure, which has been logged. */
+
+/* Logs a sentence that takes the value and perhaps a limit, and fails, unless `holds`. */
+#define REQUIRE(holds, ...)                                                                                            \
+    do {                                                                                                               \
+        if (!(holds)) {                                                                                                \
+            front_log(front, fmi2Error, __VA_ARGS__);                                                                  \
+            return false;                                                                                              \
+        }                                                                                                              \
+    } while (0)
+
+/* motion.c: the accelerations of n vehicles, and T_max (returned); T_max for given accelerations; what a time tau makes
+ * of an instant; time as whole periods and a fraction. */
+double feedback(const Constants *constants, const Shape *shape, int n, const double *s, const double *v, double *a);
+double largest_period(const Constants *constants, int n, const double *s, const double *v, const double *a);
+void pass_time(const Weights *weights, Instant *at, double tau);
+double locate(double time, double T, double *fraction);
+
+/* parameters.c: constants, weights and the choice of the potential from the values of the variables, checked. */
+bool finite_or_log(Front *front, const char *name, double value, const char *unit);
+bool read_choice(Front *front, const char *name, double value, int low, int high, int *chosen); /* high < low: none */
+bool read_constants(Front *front, const double *values, Constants *constants);
+bool read_weights(Front *front, const double *values, Weights *weights);
+bool read_request(Front *front, const double *values, Request *request); /* leaves n, s, v and x alone */
+
+/* platoon_feasible.c */
+bool require_feasible(Front *front, const Shape *shape, const Constants *constants);
+bool project(Front *front, Shape *shape, const Constants *constants);
+
+/* platoon_network.c: whether there is a network for n vehicles; its answer first, then the triples it ranks highest, and
+ * how many there are; NULL, or why the network's answer does not hold for a start. */
+bool network_for(int n);
+int network_candidates(int n, const double *s, const double *v, int count, Shape *candidates);
+const char *outside_domain(int n, const double *s, const double *v, const Constants *constants);
+
+/* platoon_choice.c: the potential for the vehicles of the request, and whether it is a network's (in_domain); the warning
+ * that a quiet choice kept to itself. */
+bool choose_shape(Front *front, const Constants *constants, const Weights *weights, double T, const Request *request,
+                  Shape *shape, bool *in_domain);
+void warn_of_fallback(Front *front, const Constants *constants, const Request *request);
+
+#endif
