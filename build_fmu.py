@@ -47,10 +47,11 @@ def build(options: argparse.Namespace, network: NetworkFile | None) -> Path:
     if options.runtime == "python":
         return build_python_fmu(options.vehicles, options.output, network)
     try:
-        from fmu_src.native.build import build_native_fmu, chosen_platforms
+        from fmu_src.native.build import build_native_fmu, chosen_platforms, native_platoon
     except ImportError as error:
         raise RuntimeError(f"the native FMU needs {error.name}: pip install 'psp-platoon[native]'") from None
-    return build_native_fmu(options.vehicles, options.output, chosen_platforms(options.platforms), network)
+    fmu = native_platoon(options.vehicles, network)
+    return build_native_fmu(fmu, options.output, chosen_platforms(options.platforms))
 
 
 def build_for_traffic(options: argparse.Namespace) -> int:

@@ -1,9 +1,9 @@
-"""`PspPlatoonNative.fmu`: sources from the model, compiled for the platforms asked for, packed."""
+"""Native FMUs: sources from the model, compiled for the platforms asked for, packed."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
 
@@ -17,19 +17,68 @@ from .compile import ENDINGS, FMI_HEADERS, FRONT, SOURCES, compile_library, host
 from .kernels import kernels_header
 from .tables import model_header, network_header
 
-NAME = "PspPlatoonNative"
 PLATFORMS = ("linux64", "win64", "darwin64")
 DESCRIPTION = (
     "A platoon of automated vehicles on one lane, under sampled feedback from performance-sensitive potentials; needs "
     "nothing but itself"
 )
-_CAPABILITIES = (
-    "canNotUseMemoryManagementFunctions",
-    "canGetAndSetFMUstate",
-    "canSerializeFMUstate",
-    "providesDirectionalDerivative",
-)
+NEEDS = "Needs nothing from outside.  sources/ holds the C sources; `fmpy compile` builds them for other platforms."
+_CAPABILITIES = ("canNotUseMemoryManagementFunctions", "canGetAndSetFMUstate", "canSerializeFMUstate")
 _HERE = Path(__file__).parent
+_OWN_SOURCES = {  # of each component, by the name of the header that says what an instance holds; the others are shared
+    "platoon_model.h": (
+        "platoon.h",
+        "platoon_backend.c",
+        "platoon_clock.c",
+        "platoon_derivatives.c",
+        "platoon_lemma1.c",
+        "platoon_start.c",
+    ),
+}
+
+
+@dataclass(frozen=True)
+class NativeFmu:
+    """What a native FMU is made from.
+
+    Attributes
+    ----------
+    name, description : of the FMU
+    header : in c/, says what an instance holds
+    vehicles : n
+    table : its variables
+    network : that goes into it, None without one
+    notes : paragraphs of its page
+    capabilities : attributes of CoSimulation that are true
+    more : further files, content by name
+    """
+
+    name: str
+    description: str
+    header: str
+    vehicles: int
+    table: tuple[Variable, ...]
+    network: NetworkFile | None
+    notes: tuple[str, ...]
+    capabilities: tuple[str, ...] = _CAPABILITIES
+    more: Mapping[str, bytes] = field(default_factory=dict)
+
+    def sources(self, guid: str) -> dict[str, bytes]:
+        """Everything that a C compiler needs beside FMI's headers, by file name.
+
+        Parameters
+        ----------
+        guid : of the FMU
+        """
+        others = {name for own in _OWN_SOURCES for name in (own, *_OWN_SOURCES[own]) if own != self.header}
+        found = {name: (SOURCES / name).read_bytes() for name in FRONT}
+        found |= {p.name: p.read_bytes() for p in sorted((_HERE / "c").glob("*.[ch]")) if p.name not in others}
+        generated = {
+            "psp_kernels.h": kernels_header(),
+            "psp_model.h": model_header(self.table, self.vehicles, guid, self.network, self.header),
+            "psp_network.h": network_header(self.network),
+        }
+        return found | {name: text.encode() for name, text in generated.items()}
 
 
 def chosen_platforms(platforms: str) -> tuple[str, ...]:
@@ -37,69 +86,61 @@ def chosen_platforms(platforms: str) -> tuple[str, ...]:
     return PLATFORMS if platforms == "all" else (host_platform(),)
 
 
-def native_sources(
-    table: Sequence[Variable], vehicles: int, guid: str, network: NetworkFile | None
-) -> dict[str, bytes]:
-    """Everything that a C compiler needs beside FMI's headers, by file name.
-
-    Parameters
-    ----------
-    table : the variables
-    vehicles : n
-    guid : of the FMU
-    network : that goes into it, None without one
-    """
-    found = {name: (SOURCES / name).read_bytes() for name in FRONT}
-    found |= {path.name: path.read_bytes() for path in sorted((_HERE / "c").glob("*.[ch]"))}
-    generated = {
-        "psp_kernels.h": kernels_header(),
-        "psp_model.h": model_header(table, vehicles, guid, network),
-        "psp_network.h": network_header(network),
-    }
-    return found | {name: text.encode() for name, text in generated.items()}
-
-
-def _notes(vehicles: int, network: NetworkFile | None) -> list[str]:
-    needs = "Needs nothing from outside.  sources/ holds the C sources; `fmpy compile` builds them for other platforms."
-    if network is None:
-        return [f"There is no network for {vehicles} vehicles in this FMU, so parameter_source starts at 2.", needs]
-    bounds = ", ".join(f"{name} = {value:.10g}" for name, value in network.domain.items())
-    return [f"Its network, {network.name}, was trained on starts with {bounds} (m, m/s, s).", needs]
-
-
-def build_native_fmu(
-    vehicles: int, output: Path, platforms: Sequence[str] | None = None, network: NetworkFile | None = None
-) -> Path:
-    """Write PspPlatoonNative.fmu; the same tree and the same tools give the same bytes.
+def native_platoon(vehicles: int, network: NetworkFile | None) -> NativeFmu:
+    """The closed loop.
 
     Parameters
     ----------
     vehicles : n, at least 2
+    network : from `network_for`; without one parameter_source starts at 2
+    """
+    if network is None:
+        text = f"There is no network for {vehicles} vehicles in this FMU, so parameter_source starts at 2."
+    else:
+        bounds = ", ".join(f"{name} = {value:.10g}" for name, value in network.domain.items())
+        text = f"Its network, {network.name}, was trained on starts with {bounds} (m, m/s, s)."
+    table = platoon_table(vehicles, default_source=1 if network else 2)
+    return NativeFmu(
+        name="PspPlatoonNative",
+        description=DESCRIPTION,
+        header="platoon_model.h",
+        vehicles=vehicles,
+        table=table,
+        network=network,
+        notes=(text, NEEDS),
+        capabilities=(*_CAPABILITIES, "providesDirectionalDerivative"),
+        more=layered_standard(table, reference_results(table, network.reader if network else None)),
+    )
+
+
+def build_native_fmu(fmu: NativeFmu, output: Path, platforms: Sequence[str] | None = None) -> Path:
+    """Write a native FMU; the same tree and the same tools give the same bytes.
+
+    Parameters
+    ----------
+    fmu : what it is made from
     output : folder
     platforms : of PLATFORMS; this machine's without
-    network : from `network_for`; without one parameter_source starts at 2
 
     Returns
     -------
     path of the FMU
     """
-    table = platoon_table(vehicles, default_source=1 if network else 2)
-    component = Component(NAME, DESCRIPTION, version("psp-platoon"), "", capabilities=_CAPABILITIES)
+    component = Component(fmu.name, fmu.description, version("psp-platoon"), "", capabilities=fmu.capabilities)
     packed = {
-        "documentation/index.html": index_page(component, vehicles, table, _notes(vehicles, network)),
+        "documentation/index.html": index_page(component, fmu.vehicles, fmu.table, fmu.notes),
         "documentation/licenses/license.txt": (_HERE.parents[1] / "LICENSE").read_bytes(),
         "model.png": (_HERE.parent / "model.png").read_bytes(),
     }
-    packed |= layered_standard(table, reference_results(table, network.reader if network else None))
-    without_guid = native_sources(table, vehicles, "", network)
-    guid = guid_of(content_digest(packed | without_guid | {"table": repr((component, table)).encode()}))
-    sources = native_sources(table, vehicles, guid, network)
+    packed |= fmu.more
+    guid = guid_of(content_digest(packed | fmu.sources("") | {"table": repr((component, fmu.table)).encode()}))
+    sources = fmu.sources(guid)
     names = tuple(sorted(name for name in sources if name.endswith(".c")))
-    packed["modelDescription.xml"] = model_description(replace(component, guid=guid, source_files=names), table)
+    packed["modelDescription.xml"] = model_description(replace(component, guid=guid, source_files=names), fmu.table)
     packed |= {f"sources/{name}": content for name, content in sources.items()}
     packed |= {f"sources/{header.name}": header.read_bytes() for header in FMI_HEADERS.glob("fmi2*.h")}
     for platform in platforms or (host_platform(),):
-        packed[f"binaries/{platform}/{NAME}.{ENDINGS[platform]}"] = compile_library(platform, NAME, sources)
-    path = output / f"{NAME}.fmu"
+        packed[f"binaries/{platform}/{fmu.name}.{ENDINGS[platform]}"] = compile_library(platform, fmu.name, sources)
+    path = output / f"{fmu.name}.fmu"
     write_fmu(path, packed)
     return path

@@ -31,7 +31,9 @@ def _group(name: str) -> str:
     return name.split("[")[0]
 
 
-def model_header(table: Sequence[Variable], vehicles: int, guid: str, network: NetworkFile | None) -> str:
+def model_header(
+    table: Sequence[Variable], vehicles: int, guid: str, network: NetworkFile | None, component: str
+) -> str:
     """psp_model.h: number of vehicles, value references, start values, names, sentences and limits.
 
     Parameters
@@ -40,15 +42,21 @@ def model_header(table: Sequence[Variable], vehicles: int, guid: str, network: N
     vehicles : n
     guid : of the FMU
     network : that goes into the FMU, None without one
+    component : header that says what an instance holds
     """
     integers = [place for place, variable in enumerate(table) if variable.integer]
     if integers != list(range(integers[0], integers[0] + len(integers))):
         raise ValueError("the Integer variables must stand together in the table")
+    kinds = ["parameter", "input", "output"]
+    if (causalities := [variable.causality for variable in table]) != sorted(causalities, key=kinds.index):
+        raise ValueError("the table must hold parameters, then inputs, then outputs")
     starts = [variable.start for variable in table if variable.start is not None]
     defines: dict[str, object] = {
         "N": vehicles,
         "COUNT": len(table),
+        "FIRST_INPUT": causalities.count("parameter"),
         "FIRST_OUTPUT": len(starts),
+        "COMPONENT": _text(component),
         "NETWORK": int(network is not None),
     }
     defines |= {"FIRST_INTEGER": f"{integers[0]}u", "INTEGER_COUNT": f"{len(integers)}u", "GUID": _text(guid)}

@@ -1,38 +1,45 @@
-/* What an instance of the native FMU holds. */
+/* What an instance of any native FMU holds: variables by value reference, and the part of the component. */
 #ifndef PSP_NATIVE_MODEL_H
 #define PSP_NATIVE_MODEL_H
 
-#include "platoon.h"
+#include "front.h"
+#include "psp_model.h" /* generated: the table of variables, sentences, and PSP_COMPONENT, the component's header */
+
+#include PSP_COMPONENT /* Part: the component's share of the state; Scratch: what it computes in */
 
 /* The whole state of an instance; a saved state is a copy of it. */
 typedef struct {
-    double values[PSP_COUNT]; /* by value reference: parameters as set, outputs as last computed */
+    double values[PSP_COUNT]; /* by value reference: parameters and inputs as set, outputs as last computed */
     double start_time;        /* [s] */
-    double in_domain;
-    int32_t initialising, has_platoon;
-    int32_t stale; /* the outputs in values lag behind the platoon */
+    int32_t initialising;
+    int32_t ready; /* the part is what the parameters describe */
+    int32_t stale; /* the outputs in values lag behind the part */
     int32_t unused;
-    int64_t period; /* the communication point as whole sampling periods and a fraction */
-    double fraction;
-    Platoon platoon;
+    Part part;
 } Model;
 
 struct Backend {
     Front *front;
     Model model;
-    Instant between; /* what outputs between two sampling instants are computed in: no room on a stack for many vehicles */
+    Scratch scratch; /* not part of the state */
 };
 
 extern const char *const PSP_VARIABLE_NAMES[PSP_COUNT];
 
-/* Makes the platoon that the parameters describe; false on failure, which has been logged. */
-bool native_initialise(Backend *backend);
+/* What a component provides, beside backend_do_step and backend_directional_derivative; false on failure, which has been
+ * logged. */
 
-/* Writes all outputs, in the order of their references; there must be a platoon. */
-void native_put_out(Backend *backend, double *outputs);
+/* Makes the part that the parameters describe. */
+bool part_initialise(Backend *backend);
 
-/* Brings the outputs in `values` up to date; false on failure, which has been logged. */
-bool native_refresh(Backend *backend);
+/* Takes notice of values that were set. */
+void part_changed(Backend *backend);
+
+/* Writes all outputs, in the order of their references; the part is ready. */
+bool part_put_out(Backend *backend, double *outputs);
+
+/* native_instance.c: makes the part ready unless it is; false on failure, which has been logged. */
+bool native_make_ready(Backend *backend);
 
 static inline bool native_is_integer(fmi2ValueReference reference)
 {

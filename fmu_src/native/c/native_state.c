@@ -1,4 +1,4 @@
-/* Saved states and directional derivatives of the native FMU. */
+/* Saved states of any native FMU. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -46,58 +46,5 @@ fmi2Status backend_read_state(Backend *backend, const char *bytes, size_t size, 
                                                      "this very build", (unsigned long)size, (unsigned long)sizeof *copy);
     memcpy(copy, bytes, size);
     *state = copy;
-    return fmi2OK;
-}
-
-/* Outputs that depend on how alpha, r, p were chosen. */
-static bool depends_on_choice(fmi2ValueReference reference)
-{
-    return (reference >= PSP_a && reference < PSP_a + PSP_N) || reference == PSP_alpha || reference == PSP_r ||
-           reference == PSP_p || reference == PSP_T_max;
-}
-
-static bool derivable(Backend *backend, const fmi2ValueReference unknowns[], size_t unknown_count,
-                      const fmi2ValueReference knowns[], size_t known_count)
-{
-    const double *values = backend->model.values;
-    const bool chosen = values[PSP_potential] == 2.0 && values[PSP_parameter_source] != 2.0;
-    for (size_t i = 0; i < known_count; i++) {
-        if (knowns[i] >= PSP_FIRST_OUTPUT || native_is_integer(knowns[i])) {
-            front_fail(backend->front, "fmi2GetDirectionalDerivative knows no derivative with respect to value reference "
-                                       "%d: name Real parameters", (int)knowns[i]);
-            return false;
-        }
-    }
-    for (size_t i = 0; i < unknown_count; i++) {
-        if (unknowns[i] < PSP_FIRST_OUTPUT || unknowns[i] >= PSP_COUNT) {
-            front_fail(backend->front, "fmi2GetDirectionalDerivative knows no derivative of value reference %d: name "
-                                       "outputs", (int)unknowns[i]);
-            return false;
-        }
-        if (chosen && known_count > 0 && depends_on_choice(unknowns[i])) {
-            front_fail(backend->front, "fmi2GetDirectionalDerivative has no derivative of %s while alpha, r, p come from "
-                                       "the network: set parameter_source to 2", PSP_VARIABLE_NAMES[unknowns[i]]);
-            return false;
-        }
-    }
-    return true;
-}
-
-fmi2Status backend_directional_derivative(Backend *backend, const fmi2ValueReference unknowns[], size_t unknown_count,
-                                          const fmi2ValueReference knowns[], size_t known_count,
-                                          const fmi2Real seed[], fmi2Real sensitivity[])
-{
-    Model *model = &backend->model;
-    if (!derivable(backend, unknowns, unknown_count, knowns, known_count)) return fmi2Error;
-    if (known_count > 0 && !model->initialising)
-        return front_fail(backend->front, "fmi2GetDirectionalDerivative with respect to initial values is for "
-                                          "initialization mode: this FMU has no inputs to derive by afterwards");
-    if (model->initialising && !model->has_platoon && !native_initialise(backend)) return fmi2Error;
-    double *work = calloc(2 * PSP_COUNT, sizeof *work); /* a seed and a change for every variable */
-    if (!work) return front_fail(backend->front, "there is no memory left for derivatives: free some instances");
-    for (size_t i = 0; i < known_count; i++) work[knowns[i]] += seed[i];
-    if (known_count > 0) platoon_tangent(&model->platoon, work, work + PSP_COUNT);
-    for (size_t i = 0; i < unknown_count; i++) sensitivity[i] = work[PSP_COUNT + unknowns[i]];
-    free(work);
     return fmi2OK;
 }

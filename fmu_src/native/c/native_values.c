@@ -1,4 +1,4 @@
-/* The variables of the native FMU by value reference. */
+/* The variables of any native FMU by value reference. */
 #include "native_model.h"
 
 const char *const PSP_VARIABLE_NAMES[PSP_COUNT] = PSP_NAMES;
@@ -17,15 +17,23 @@ static bool are_all_outputs(const fmi2ValueReference vr[], size_t count)
     return apart == 0;
 }
 
+/* Brings the outputs in `values` up to date; false on failure, which has been logged. */
+static bool refresh(Backend *backend)
+{
+    Model *model = &backend->model;
+    if (!model->ready && !model->initialising) return true; /* nothing to show yet */
+    if (!native_make_ready(backend) || !part_put_out(backend, model->values + PSP_FIRST_OUTPUT)) return false;
+    model->stale = 0;
+    return true;
+}
+
 fmi2Status backend_get_real(Backend *backend, const fmi2ValueReference vr[], size_t count, fmi2Real value[])
 {
     const Model *model = &backend->model;
     const double *values = model->values;
-    if (model->has_platoon && are_all_outputs(vr, count)) {
-        native_put_out(backend, value); /* without a stop in `values` */
-        return fmi2OK;
-    }
-    if (model->stale && !native_refresh(backend)) return fmi2Error;
+    if (model->ready && are_all_outputs(vr, count)) /* without a stop in `values` */
+        return part_put_out(backend, value) ? fmi2OK : fmi2Error;
+    if (model->stale && !refresh(backend)) return fmi2Error;
     for (size_t i = 0; i < count; i++) {
         if (vr[i] >= PSP_COUNT || native_is_integer(vr[i])) return unknown_reference(backend, vr[i], "Real");
         value[i] = values[vr[i]];
@@ -35,7 +43,7 @@ fmi2Status backend_get_real(Backend *backend, const fmi2ValueReference vr[], siz
 
 fmi2Status backend_get_integer(Backend *backend, const fmi2ValueReference vr[], size_t count, fmi2Integer value[])
 {
-    if (backend->model.stale && !native_refresh(backend)) return fmi2Error;
+    if (backend->model.stale && !refresh(backend)) return fmi2Error;
     for (size_t i = 0; i < count; i++) {
         if (!native_is_integer(vr[i])) return unknown_reference(backend, vr[i], "Integer");
         value[i] = (fmi2Integer)backend->model.values[vr[i]];
@@ -50,7 +58,7 @@ static bool settable(Backend *backend, fmi2ValueReference reference, bool intege
         unknown_reference(backend, reference, integer ? "Integer" : "Real");
     else if (reference >= PSP_FIRST_OUTPUT)
         front_fail(backend->front, PSP_SENTENCE_output, PSP_VARIABLE_NAMES[reference]);
-    else if (backend->model.has_platoon && !backend->model.initialising)
+    else if (reference < PSP_FIRST_INPUT && backend->model.ready && !backend->model.initialising)
         front_fail(backend->front, PSP_SENTENCE_fixed, PSP_VARIABLE_NAMES[reference]);
     else
         return true;
@@ -60,12 +68,15 @@ static bool settable(Backend *backend, fmi2ValueReference reference, bool intege
 #define SET(function, type, integer)                                                                                   \
     fmi2Status function(Backend *backend, const fmi2ValueReference vr[], size_t count, const type value[])             \
     {                                                                                                                  \
+        bool parameters = false;                                                                                       \
         for (size_t i = 0; i < count; i++) {                                                                           \
             if (!settable(backend, vr[i], integer)) return fmi2Error;                                                  \
+            parameters = parameters || vr[i] < PSP_FIRST_INPUT;                                                        \
         }                                                                                                              \
         for (size_t i = 0; i < count; i++) backend->model.values[vr[i]] = (double)value[i];                            \
-        backend->model.has_platoon = 0;                                                                                \
+        if (parameters) backend->model.ready = 0;                                                                      \
         backend->model.stale = 1;                                                                                      \
+        part_changed(backend);                                                                                         \
         return fmi2OK;                                                                                                 \
     }
 

@@ -11,10 +11,9 @@ from pathlib import Path
 from shutil import which
 from tempfile import mkdtemp
 
-from fmu_src.native.build import native_sources
+from fmu_src.native.build import native_platoon
 from fmu_src.native.compile import FMI_HEADERS
 from fmu_src.python_runtime import network_for
-from fmu_src.variables import platoon_table
 
 SANITIZERS = "-fsanitize=fuzzer,address,undefined,float-cast-overflow"
 
@@ -26,7 +25,7 @@ def compiler() -> str | None:
 
 def build(folder: Path, vehicles: int = 7) -> Path:
     """The fuzzer for n vehicles."""
-    sources = native_sources(platoon_table(vehicles), vehicles, "{fuzz}", network_for(vehicles))
+    sources = native_platoon(vehicles, network_for(vehicles)).sources("{fuzz}")
     for name, content in sources.items():
         (folder / name).write_bytes(content)
     fuzzer = folder / "fuzz_fmi"
