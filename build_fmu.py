@@ -10,6 +10,7 @@ from fmu_src.python_runtime import NetworkFile, build_python_fmu, network_for
 from psp_model import ModelError
 
 COMPONENTS = ["platoon", "open-platoon", "controller", "plant", "leader"]
+NATIVE = ("platoon", "controller")  # components with a native runtime
 
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:
@@ -32,61 +33,56 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     return parser.parse_args(arguments)
 
 
-def build(options: argparse.Namespace, network: NetworkFile | None) -> Path:
-    """Build the FMU of the runtime asked for.
+def build_native(options: argparse.Namespace, network: NetworkFile | None) -> Path:
+    """Build the native FMU asked for.
 
     Parameters
     ----------
     options : from `parse`
-    network : that goes into the FMU
+    network : that goes into the closed loop; the controller brings its own
 
     Raises
     ------
-    RuntimeError : where what builds the native FMU is missing
+    RuntimeError : where what builds the native FMU is missing, or there is none
     """
-    if options.runtime == "python":
-        return build_python_fmu(options.vehicles, options.output, network)
+    if options.component not in NATIVE:
+        raise RuntimeError(f"--component {options.component} has the runtime python only: leave --runtime native out")
     try:
-        from fmu_src.native.build import build_native_fmu, chosen_platforms, native_platoon
+        from fmu_src.native.build import build_native_fmu, chosen_platforms, native_controller, native_platoon
     except ImportError as error:
         raise RuntimeError(f"the native FMU needs {error.name}: pip install 'psp-platoon[native]'") from None
-    fmu = native_platoon(options.vehicles, network)
+    loop = options.component == "platoon"
+    fmu = native_platoon(options.vehicles, network) if loop else native_controller(options.vehicles)
     return build_native_fmu(fmu, options.output, chosen_platforms(options.platforms))
 
 
-def build_for_traffic(options: argparse.Namespace) -> int:
-    """Build one of the components for traffic and say so.
+def build(options: argparse.Namespace, network: NetworkFile | None) -> Path:
+    """Build the FMU asked for.
 
     Parameters
     ----------
     options : from `parse`
-
-    Returns
-    -------
-    exit code
+    network : that goes into the closed loop; the components for traffic bring their own
 
     Raises
     ------
-    RuntimeError : where an option does not apply
+    RuntimeError : where an option does not apply, or what builds the native FMU is missing
     """
-    from fmu_src.traffic_runtime import (
-        build_controller_fmu,
-        build_leader_fmu,
-        build_open_platoon_fmu,
-        build_plant_fmu,
-    )
+    if options.component != "platoon" and options.network:
+        raise RuntimeError(f"--component {options.component} brings its own networks: leave --network out")
+    if options.runtime == "native":
+        return build_native(options, network)
+    if options.component == "platoon":
+        return build_python_fmu(options.vehicles, options.output, network)
+    from fmu_src import traffic_runtime as traffic
 
-    if options.runtime == "native" or options.network:
-        raise RuntimeError(f"--component {options.component} takes neither --runtime native nor --network")
     makers = {
-        "open-platoon": build_open_platoon_fmu,
-        "controller": build_controller_fmu,
-        "plant": build_plant_fmu,
-        "leader": build_leader_fmu,
+        "open-platoon": traffic.build_open_platoon_fmu,
+        "controller": traffic.build_controller_fmu,
+        "plant": traffic.build_plant_fmu,
+        "leader": traffic.build_leader_fmu,
     }
-    path = makers[options.component](options.vehicles, options.output)
-    print(f"{path}: {options.vehicles} vehicles, {path.stat().st_size / 1024:.0f} KiB")
-    return 0
+    return makers[options.component](options.vehicles, options.output)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -100,15 +96,13 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if options.vehicles < 2:
             raise ModelError("vehicles", options.vehicles)
-        if options.component != "platoon":
-            return build_for_traffic(options)
-        network = network_for(options.vehicles, options.network)
+        network = network_for(options.vehicles, options.network) if options.component == "platoon" else None
         path = build(options, network)
     except (ModelError, OSError, RuntimeError) as error:
         print(f"build_fmu.py: {error}", file=sys.stderr)
         return 2
     print(f"{path}: {options.vehicles} vehicles, {path.stat().st_size / 1024:.0f} KiB")
-    if network is None:
+    if network is None and options.component == "platoon":
         print(
             f"There is no network for {options.vehicles} vehicles: parameter_source starts at 2, a fixed alpha, r, p."
         )

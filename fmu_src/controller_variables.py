@@ -11,7 +11,8 @@ from psp_model.leader import Wave
 from .variables import Variable, platoon_table
 
 _OF_THE_PLATOON = ("T", "L", "lambda", "v_star", "v_max", "epsilon", "mu", "z", "w1", "w2", "a_ref", "s_ref")
-_CHOICES = ("potential", "parameter_source", "rollout_count", "rollout_horizon", "alpha_fixed", "r_fixed", "p_fixed")
+_CHOICES = ("potential", "parameter_source", "rollout_count")  # Integer: these stand together, as the native FMU has it
+_FALLBACK = ("rollout_horizon", "alpha_fixed", "r_fixed", "p_fixed")
 _NOTHING: tuple[str, ...] = ()
 
 
@@ -21,6 +22,7 @@ def _parameters(rows: dict[str, Variable]) -> Iterator[Variable]:
     yield replace(rows["lemma1_policy"], description=text, maximum=2)
     text = "What inputs that are stale, not finite or outside the state space lead to; 1: error, 2: the safe action"
     yield Variable("bad_input", text, start=1, minimum=1, maximum=2, integer=True)
+    yield from (rows[name] for name in _FALLBACK)
     text = f"Least commanded acceleration, below 0; {-NO_LIMIT:g} stands for none"
     yield Variable("a_min", text, "m/s2", -NO_LIMIT, maximum=0, nominal=5)
     text = f"Greatest commanded acceleration, above 0; {NO_LIMIT:g} stands for none"

@@ -86,7 +86,7 @@ def index_page(component: Component, vehicles: int, table: Sequence[Variable], n
 <p>{escape(component.description)}.</p>
 {paragraphs}
 <h2>Sampling</h2>
-{_SAMPLING.get(component.name, _SAMPLING_OF_A_LOOP)}
+{_SAMPLING.get(component.name.removesuffix("Native"), _SAMPLING_OF_A_LOOP)}
 <h2>Errors</h2>
 <p>A value that the model is not defined for ends in <code>fmi2Error</code> and one logged sentence that names the
 variable, its value, the limit and the remedy. The instance can then be reset and run again.</p>

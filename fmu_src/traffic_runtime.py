@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from .controller_variables import controller_table, leader_table, plant_table
 from .open_variables import open_table
 from .python_runtime import NEEDS, NetworkFile, network_for, pack_slave
+
+CONTROLLER = "Commands accelerations to a platoon of vehicles from their measured gaps and speeds"
 
 
 def networks_up_to(capacity: int) -> dict[int, NetworkFile]:
@@ -21,6 +24,21 @@ def networks_up_to(capacity: int) -> dict[int, NetworkFile]:
     return {n: network for n, network in found.items() if network is not None}
 
 
+def note_on_networks(capacity: int, networks: Mapping[int, NetworkFile]) -> str:
+    """What the page of a component says of its networks.
+
+    Parameters
+    ----------
+    capacity : N
+    networks : by number of vehicles
+    """
+    known = ", ".join(map(str, networks)) or "no number of"
+    return (
+        f"For 1 to {capacity} vehicles. It has networks for {known} vehicles; for other numbers, and outside their "
+        "training domain, alpha_fixed, r_fixed and p_fixed are used, with a warning."
+    )
+
+
 def _of_networks(capacity: int) -> tuple[dict[str, Any], list[NetworkFile], list[str]]:
     """Configuration, networks and notes of a component for 1 to N vehicles."""
     networks = networks_up_to(capacity)
@@ -30,12 +48,7 @@ def _of_networks(capacity: int) -> tuple[dict[str, Any], list[NetworkFile], list
         "network": None,
         "networks": {n: network.name for n, network in networks.items()},
     }
-    known = ", ".join(map(str, networks)) or "no number of"
-    text = (
-        f"For 1 to {capacity} vehicles. There are networks for {known} vehicles in resources/; for other numbers, and "
-        "outside their training domain, alpha_fixed, r_fixed and p_fixed are used, with a warning."
-    )
-    return config, list(networks.values()), [text, NEEDS]
+    return config, list(networks.values()), [note_on_networks(capacity, networks), NEEDS]
 
 
 def build_open_platoon_fmu(capacity: int, output: Path) -> Path:
@@ -69,9 +82,8 @@ def build_controller_fmu(capacity: int, output: Path) -> Path:
     path of the FMU
     """
     config, networks, notes = _of_networks(capacity)
-    description = "Commands accelerations to a platoon of vehicles from their measured gaps and speeds"
     table = controller_table(capacity, config["default_source"])
-    return pack_slave("PspController", description, table, config, networks, notes, output)
+    return pack_slave("PspController", CONTROLLER, table, config, networks, notes, output)
 
 
 def build_plant_fmu(vehicles: int, output: Path) -> Path:

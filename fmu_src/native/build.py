@@ -7,11 +7,13 @@ from dataclasses import dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
 
+from ..controller_variables import controller_table
 from ..documentation import index_page
 from ..ecosystem import layered_standard, reference_results
 from ..model_description import Component, model_description
 from ..packing import content_digest, guid_of, write_fmu
 from ..python_runtime import NetworkFile
+from ..traffic_runtime import CONTROLLER, networks_up_to, note_on_networks
 from ..variables import Variable, platoon_table
 from .compile import ENDINGS, FMI_HEADERS, FRONT, SOURCES, compile_library, host_platform
 from .kernels import kernels_header
@@ -34,6 +36,7 @@ _OWN_SOURCES = {  # of each component, by the name of the header that says what 
         "platoon_lemma1.c",
         "platoon_start.c",
     ),
+    "controller_model.h": ("controller.h", "controller_backend.c", "controller_sample.c", "controller_settings.c"),
 }
 
 
@@ -47,7 +50,7 @@ class NativeFmu:
     header : in c/, says what an instance holds
     vehicles : n
     table : its variables
-    network : that goes into it, None without one
+    networks : that go into it, by number of vehicles
     notes : paragraphs of its page
     capabilities : attributes of CoSimulation that are true
     more : further files, content by name
@@ -58,7 +61,7 @@ class NativeFmu:
     header: str
     vehicles: int
     table: tuple[Variable, ...]
-    network: NetworkFile | None
+    networks: Mapping[int, NetworkFile]
     notes: tuple[str, ...]
     capabilities: tuple[str, ...] = _CAPABILITIES
     more: Mapping[str, bytes] = field(default_factory=dict)
@@ -75,8 +78,8 @@ class NativeFmu:
         found |= {p.name: p.read_bytes() for p in sorted((_HERE / "c").glob("*.[ch]")) if p.name not in others}
         generated = {
             "psp_kernels.h": kernels_header(),
-            "psp_model.h": model_header(self.table, self.vehicles, guid, self.network, self.header),
-            "psp_network.h": network_header(self.network),
+            "psp_model.h": model_header(self.table, self.vehicles, guid, self.networks, self.header),
+            "psp_network.h": network_header(self.networks),
         }
         return found | {name: text.encode() for name, text in generated.items()}
 
@@ -106,10 +109,29 @@ def native_platoon(vehicles: int, network: NetworkFile | None) -> NativeFmu:
         header="platoon_model.h",
         vehicles=vehicles,
         table=table,
-        network=network,
+        networks={vehicles: network} if network else {},
         notes=(text, NEEDS),
         capabilities=(*_CAPABILITIES, "providesDirectionalDerivative"),
         more=layered_standard(table, reference_results(table, network.reader if network else None)),
+    )
+
+
+def native_controller(capacity: int) -> NativeFmu:
+    """The controller of measured vehicles, with this project's networks.
+
+    Parameters
+    ----------
+    capacity : most vehicles N, at least 2
+    """
+    networks = networks_up_to(capacity)
+    return NativeFmu(
+        name="PspControllerNative",
+        description=f"{CONTROLLER}; needs nothing but itself",
+        header="controller_model.h",
+        vehicles=capacity,
+        table=controller_table(capacity, 1 if networks else 2),
+        networks=networks,
+        notes=(note_on_networks(capacity, networks), NEEDS),
     )
 
 

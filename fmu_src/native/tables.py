@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
 from typing import Any
 
@@ -32,7 +32,7 @@ def _group(name: str) -> str:
 
 
 def model_header(
-    table: Sequence[Variable], vehicles: int, guid: str, network: NetworkFile | None, component: str
+    table: Sequence[Variable], vehicles: int, guid: str, networks: Mapping[int, NetworkFile], component: str
 ) -> str:
     """psp_model.h: number of vehicles, value references, start values, names, sentences and limits.
 
@@ -41,7 +41,7 @@ def model_header(
     table : the variables; value references are places in it
     vehicles : n
     guid : of the FMU
-    network : that goes into the FMU, None without one
+    networks : that go into the FMU, by number of vehicles
     component : header that says what an instance holds
     """
     integers = [place for place, variable in enumerate(table) if variable.integer]
@@ -57,7 +57,7 @@ def model_header(
         "FIRST_INPUT": causalities.count("parameter"),
         "FIRST_OUTPUT": len(starts),
         "COMPONENT": _text(component),
-        "NETWORK": int(network is not None),
+        "NETWORK": int(bool(networks)),
     }
     defines |= {"FIRST_INTEGER": f"{integers[0]}u", "INTEGER_COUNT": f"{len(integers)}u", "GUID": _text(guid)}
     defines |= {"ALPHA_MIN": ALPHA_MIN, "ALPHA_MAX": ALPHA_MAX, "P_MIN": P_MIN, "P_MAX": P_MAX}
@@ -106,40 +106,64 @@ def _layers(name: str, layers: Sequence[Layer]) -> Iterator[str]:
         f"{{{weights.shape[0]}, {weights.shape[1]}, {name}_W{place}, {name}_B{place}, {str(relu).lower()}}}"
         for place, (weights, _, relu) in enumerate(layers)
     )
-    yield f"static const PspLayer PSP_{name}_LAYERS[] = {{{', '.join(rows)}}};"
-    yield f"#define PSP_{name}_LAYER_COUNT {len(layers)}"
+    yield f"static const PspLayer {name}[] = {{{', '.join(rows)}}};"
 
 
-def _dictionary(graph: Any) -> Iterator[str]:
-    """The candidates and the chain that ranks them, where the network has them."""
-    if not {SCORES, DICTIONARY} <= {port.name for port in graph.output}:
-        yield "#define PSP_DICTIONARY 0"
-        return
+def _candidates(graph: Any) -> Any:
+    """The triples that the network ranks, (K, 3)."""
     constants = {tensor.name: numpy_helper.to_array(tensor) for tensor in graph.initializer}
-    source = next((node.input[0] for node in graph.node if DICTIONARY in node.output), DICTIONARY)
-    rows = constants[source]
-    yield f"#define PSP_DICTIONARY {len(rows)}"
-    yield f"static const float PSP_DICTIONARY_ROWS[][3] = {{{', '.join(f'{{{_floats(row)}}}' for row in rows)}}};"
-    yield from _layers("SCORE", _chain(graph, SCORES))
+    return constants[next((node.input[0] for node in graph.node if DICTIONARY in node.output), DICTIONARY)]
 
 
-def network_header(network: NetworkFile | None) -> str:
-    """psp_network.h: the layers of the network, its candidates, and what it was trained for.
+def _tables(vehicles: int, network: NetworkFile) -> tuple[list[str], str, int, int]:
+    """The tables of one network, its row in the table of networks, its widest layer and how many triples it ranks."""
+    graph = onnx.load_from_string(network.content).graph
+    name, parameters = f"NETWORK_{vehicles}", _chain(graph, PARAMETERS)
+    widest = max(max(weights.shape) for weights, _, _ in parameters)
+    lines = [*_layers(f"{name}_PARAMETERS", parameters)]
+    row = {"vehicles": str(vehicles), "parameters": f"{name}_PARAMETERS", "parameter_layers": str(len(parameters))}
+    rows = 0
+    if {SCORES, DICTIONARY} <= {port.name for port in graph.output}:
+        scores, candidates = _chain(graph, SCORES), _candidates(graph)
+        widest, rows = max(widest, *(max(weights.shape) for weights, _, _ in scores)), len(candidates)
+        lines += _layers(f"{name}_SCORES", scores)
+        triples = ", ".join(f"{{{_floats(triple)}}}" for triple in candidates)
+        lines.append(f"static const float {name}_CANDIDATES[][3] = {{{triples}}};")
+        row |= {"scores": f"{name}_SCORES", "score_layers": str(len(scores))}
+        row |= {"candidates": f"{name}_CANDIDATES", "candidate_count": str(rows)}
+    row |= {bound: repr(value) for bound, value in network.domain.items()}
+    row["trained"] = "{" + ", ".join(f".{constant} = {value!r}" for constant, value in network.constants.items()) + "}"
+    return lines, "{" + ", ".join(f".{key} = {value}" for key, value in row.items()) + "}", widest, rows
+
+
+_NETWORK_TYPES = """typedef struct {
+    int rows, columns;
+    const float *weights, *bias;
+    bool relu;
+} PspLayer;
+
+typedef struct {
+    int vehicles, parameter_layers, score_layers, candidate_count;
+    const PspLayer *parameters, *scores; /* no scores where it ranks nothing */
+    const float (*candidates)[3];
+    double gap_min, gap_max, speed_min, speed_max, standstill, headway;
+    Constants trained;
+} PspNetwork;
+"""
+
+
+def network_header(networks: Mapping[int, NetworkFile]) -> str:
+    """psp_network.h: the layers of the networks, their candidates, and what they were trained for.
 
     Parameters
     ----------
-    network : that goes into the FMU, None without one
+    networks : that go into the FMU, by number of vehicles
     """
-    lines = ["#ifndef PSP_NETWORK_H", "#define PSP_NETWORK_H", "", "typedef struct {", "    int rows, columns;"]
-    lines += ["    const float *weights, *bias;", "    bool relu;", "} PspLayer;", ""]
-    if network is not None:
-        graph = onnx.load_from_string(network.content).graph
-        chains = [_chain(graph, PARAMETERS)]
-        chains += [_chain(graph, SCORES)] if SCORES in {port.name for port in graph.output} else []
-        widest = max(max(weights.shape) for chain in chains for weights, _, _ in chain)
-        names = {f"PSP_{name.upper()}": repr(value) for name, value in network.domain.items()}
-        fields = ", ".join(f".{name} = {value!r}" for name, value in network.constants.items())
-        lines += [f"#define {name} {value}" for name, value in names.items()]
-        lines += [f"#define PSP_TRAINED_CONSTANTS {{{fields}}}", f"#define PSP_WIDEST {widest}", ""]
-        lines += [*_layers("PARAMETER", chains[0]), *_dictionary(graph)]
+    lines = ["#ifndef PSP_NETWORK_H", "#define PSP_NETWORK_H", ""]
+    if networks:
+        made = [_tables(vehicles, network) for vehicles, network in networks.items()]
+        lines += [_NETWORK_TYPES, f"#define PSP_WIDEST {max(widest for _, _, widest, _ in made)}"]
+        lines += [f"#define PSP_MOST_CANDIDATES {max(1, *(rows for _, _, _, rows in made))}", ""]
+        lines += [line for tables, _, _, _ in made for line in tables]
+        lines += ["static const PspNetwork PSP_NETWORKS[] = {", *(f"    {row}," for _, row, _, _ in made), "};"]
     return "/* Written by fmu_src/native/tables.py. */\n" + "\n".join([*lines, "", "#endif", ""])

@@ -11,16 +11,28 @@ from build_fmu import main as build
 from harness import Instance, Unpacked
 
 
-def _unpacked(component: str, folder: Path) -> Unpacked:
-    assert build(["--component", component, "--output", str(folder)]) == 0
+def _unpacked(component: str, folder: Path, runtime: str = "python") -> Unpacked:
+    assert build(["--component", component, "--runtime", runtime, "--output", str(folder)]) == 0
     (path,) = folder.glob("*.fmu")
     return Unpacked(path, folder / "unpacked")
 
 
 @pytest.fixture(scope="session")
-def controller_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
+def python_controller_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
     """PspController.fmu for up to 7 vehicles."""
     return _unpacked("controller", tmp_path_factory.mktemp("controller"))
+
+
+@pytest.fixture(scope="session")
+def native_controller_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
+    """PspControllerNative.fmu for up to 7 vehicles."""
+    return _unpacked("controller", tmp_path_factory.mktemp("native_controller"), "native")
+
+
+@pytest.fixture(scope="session", params=["python", "native"])
+def controller_fmu(request: pytest.FixtureRequest) -> Unpacked:
+    """Each of the two controllers in turn."""
+    return request.getfixturevalue(f"{request.param}_controller_fmu")
 
 
 @pytest.fixture(scope="session")

@@ -1,4 +1,4 @@
-/* The network: Gemm and Relu over the tables in psp_network.h, which come from the ONNX file. */
+/* The networks: Gemm and Relu over the tables in psp_network.h, which come from the ONNX files. */
 #include "vehicles.h"
 
 #include <stddef.h>
@@ -37,48 +37,56 @@ static Shape triple(const float *row)
     return shape;
 }
 
-#if PSP_DICTIONARY
 /* Puts the rows of the dictionary with the highest scores into `best`; of equal scores the first row wins. */
-static int ranked(const float *scores, int count, Shape *best)
+static int ranked(const PspNetwork *network, const float *scores, int count, Shape *best)
 {
-    bool taken[PSP_DICTIONARY] = {false};
+    bool taken[PSP_MOST_CANDIDATES] = {false};
     int found = 0;
-    for (; found < count && found < PSP_DICTIONARY; found++) {
+    for (; found < count && found < network->candidate_count; found++) {
         int top = -1;
-        for (int k = 0; k < PSP_DICTIONARY; k++) {
+        for (int k = 0; k < network->candidate_count; k++) {
             if (!taken[k] && (top < 0 || scores[k] > scores[top])) top = k;
         }
         taken[top] = true;
-        best[found] = triple(PSP_DICTIONARY_ROWS[top]);
+        best[found] = triple(network->candidates[top]);
     }
     return found;
 }
-#endif
 
-bool network_for(int n) { return n == PSP_N; }
+/* The network for n vehicles, NULL if there is none. */
+static const PspNetwork *find(int n)
+{
+    for (size_t k = 0; k < sizeof PSP_NETWORKS / sizeof *PSP_NETWORKS; k++) {
+        if (PSP_NETWORKS[k].vehicles == n) return &PSP_NETWORKS[k];
+    }
+    return NULL;
+}
+
+bool network_for(int n) { return find(n) != NULL; }
 
 int network_candidates(int n, const double *s, const double *v, int count, Shape *candidates)
 {
     float buffer[2][PSP_WIDEST];
-    candidates[0] = triple(run(PSP_PARAMETER_LAYERS, PSP_PARAMETER_LAYER_COUNT, n, s, v, buffer));
-#if PSP_DICTIONARY
-    if (count > 1)
-        return 1 + ranked(run(PSP_SCORE_LAYERS, PSP_SCORE_LAYER_COUNT, n, s, v, buffer), count - 1, candidates + 1);
-#endif
-    (void)count;
-    return 1;
+    const PspNetwork *network = find(n);
+    if (!network) return 0;
+    candidates[0] = triple(run(network->parameters, network->parameter_layers, n, s, v, buffer));
+    if (count <= 1 || network->candidate_count == 0) return 1;
+    return 1 + ranked(network, run(network->scores, network->score_layers, n, s, v, buffer), count - 1, candidates + 1);
 }
 
 const char *outside_domain(int n, const double *s, const double *v, const Constants *c)
 {
-    const Constants trained = PSP_TRAINED_CONSTANTS;
-    if (c->L != trained.L || c->lam != trained.lam || c->v_star != trained.v_star || c->v_max != trained.v_max ||
-        c->epsilon != trained.epsilon || c->mu != trained.mu || c->z != trained.z)
+    const PspNetwork *network = find(n);
+    if (!network) return "no network";
+    const Constants *trained = &network->trained;
+    if (c->L != trained->L || c->lam != trained->lam || c->v_star != trained->v_star || c->v_max != trained->v_max ||
+        c->epsilon != trained->epsilon || c->mu != trained->mu || c->z != trained->z)
         return "other constants than the network was trained with";
     bool inside = true;
-    for (int i = 0; i < n; i++) inside = inside && v[i] >= PSP_SPEED_MIN && v[i] <= PSP_SPEED_MAX;
+    for (int i = 0; i < n; i++) inside = inside && v[i] >= network->speed_min && v[i] <= network->speed_max;
     for (int i = 0; i < n - 1; i++)
-        inside = inside && s[i] >= PSP_GAP_MIN && s[i] <= PSP_GAP_MAX && s[i] > PSP_STANDSTILL + PSP_HEADWAY * v[i + 1];
+        inside = inside && s[i] >= network->gap_min && s[i] <= network->gap_max &&
+                 s[i] > network->standstill + network->headway * v[i + 1];
     return inside ? NULL : "gaps or speeds outside the network's training domain";
 }
 

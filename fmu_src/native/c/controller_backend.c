@@ -1,0 +1,118 @@
+/* The backend of the controller: its sampling instants lie at start + phase + k T.
+ *
+ * At a communication point that is one, the command is computed from the inputs set there: when the outputs are read after
+ * inputs were set, at the latest when the next step begins.  Instants inside a communication step use the inputs from its
+ * beginning.  Mirrors fmu_src/controller_slave.py. */
+#include <math.h>
+#include <string.h>
+
+#include "native_model.h"
+
+#define LONGEST 1e9 /* [s] T_max of a lone vehicle at rest with v_star is infinite, which importers do not like */
+
+bool part_initialise(Backend *backend)
+{
+    Part *part = &backend->model.part;
+    memset(part, 0, sizeof *part);
+    if (!read_settings(backend->front, backend->model.values, &part->settings)) return false;
+    nothing_decided(&part->settings, &part->now);
+    part->time = part->set_at = backend->model.start_time;
+    part->fresh = true;
+    return true;
+}
+
+void part_changed(Backend *backend)
+{
+    Part *part = &backend->model.part;
+    part->foreseen = false;
+    part->fresh = true;
+    part->set_at = part->time;
+}
+
+/* Time of the next sampling instant [s]. */
+static double instant(const Model *model)
+{
+    const Part *part = &model->part;
+    return model->start_time + part->settings.phase + (double)part->sampled * part->settings.T;
+}
+
+/* Decides from the inputs as they are now, into the scratch. */
+static bool sample(Backend *backend)
+{
+    const Model *model = &backend->model;
+    const double *read = model->values;
+    const double time = instant(model), taken = read[PSP_t_measured];
+    const Measurement measured = {
+        .s = read + PSP_s,
+        .v = read + PSP_v,
+        .n_active = read[PSP_n_active],
+        .resolve = read[PSP_resolve],
+        .age = time - (taken < 0.0 ? model->part.set_at : taken),
+        .v_desired = read[PSP_v_desired],
+    };
+    return decide(&model->part.settings, backend->front, time, &measured, &model->part.now, &backend->scratch);
+}
+
+fmi2Status backend_do_step(Backend *backend, double from, double size)
+{
+    Model *model = &backend->model;
+    Part *part = &model->part;
+    const double T = part->settings.T, end = from + size;
+    if (size <= 0.0) return fmi2OK;
+    if (!((end - model->start_time) / T < PERIODS_MAX))
+        return front_fail(backend->front, "fmi2DoStep was asked for a step of %.10g s, more sampling periods than can be "
+                                          "counted: take a shorter step", size);
+    model->stale = 1;
+    for (; instant(model) < end - TIME_TOLERANCE * T; part->sampled++) { /* at the end newer inputs may come */
+        if (!part->foreseen && !sample(backend)) return fmi2Error;
+        part->now = part->foreseen ? part->ahead : backend->scratch;
+        part->foreseen = false;
+    }
+    part->time = end;
+    part->fresh = false;
+    return fmi2OK;
+}
+
+/* The command to show: that of this instant, if it is one and inputs were set here, else the one held; NULL on failure. */
+static const Command *shown(Backend *backend)
+{
+    Part *part = &backend->model.part;
+    if (!part->fresh || instant(&backend->model) > part->time + TIME_TOLERANCE * part->settings.T) return &part->now;
+    if (!part->foreseen) {
+        if (!sample(backend)) return NULL;
+        part->ahead = backend->scratch;
+        part->foreseen = true;
+    }
+    return &part->ahead;
+}
+
+/* Where an output stands among the outputs. */
+#define AT(reference) ((reference) - PSP_FIRST_OUTPUT)
+
+bool part_put_out(Backend *backend, double *outputs)
+{
+    const Command *command = shown(backend);
+    if (!command) return false;
+    memcpy(outputs + AT(PSP_a), command->a, sizeof command->a);
+    memcpy(outputs + AT(PSP_saturated), command->saturated, sizeof command->saturated);
+    outputs[AT(PSP_alpha)] = command->shape.alpha;
+    outputs[AT(PSP_r)] = command->shape.r;
+    outputs[AT(PSP_p)] = command->shape.p;
+    outputs[AT(PSP_network_in_domain)] = command->in_domain ? 1.0 : 0.0;
+    outputs[AT(PSP_T_max)] = fmin(command->T_max, LONGEST);
+    outputs[AT(PSP_lemma1_ok)] = command->T_max > backend->model.part.settings.T ? 1.0 : 0.0;
+    outputs[AT(PSP_lemma1_violations)] = (double)command->violations;
+    outputs[AT(PSP_input_ok)] = command->in_order ? 1.0 : 0.0;
+    outputs[AT(PSP_input_faults)] = (double)command->faults;
+    outputs[AT(PSP_choices)] = (double)command->choices;
+    return true;
+}
+
+fmi2Status backend_directional_derivative(Backend *backend, const fmi2ValueReference unknowns[], size_t unknown_count,
+                                          const fmi2ValueReference knowns[], size_t known_count,
+                                          const fmi2Real seed[], fmi2Real sensitivity[])
+{
+    (void)unknowns, (void)unknown_count, (void)knowns, (void)known_count, (void)seed, (void)sensitivity;
+    return front_fail(backend->front, "fmi2GetDirectionalDerivative is not provided by the controller: the closed loop, "
+                                      "PspPlatoonNative, provides it");
+}

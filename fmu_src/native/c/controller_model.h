@@ -1,0 +1,19 @@
+/* What the controller FMU holds beside its variables. */
+#ifndef PSP_CONTROLLER_MODEL_H
+#define PSP_CONTROLLER_MODEL_H
+
+#include "controller.h"
+
+typedef struct {
+    Settings settings;
+    double time;     /* [s] last communication point */
+    double set_at;   /* [s] when inputs were last set */
+    int64_t sampled; /* sampling instants that lie in the past */
+    bool fresh;      /* inputs were set at this communication point */
+    bool foreseen;   /* `ahead` is the decision at the instant that the communication point is */
+    Command now, ahead;
+} Part;
+
+typedef Command Scratch; /* a decision that may yet fail */
+
+#endif

@@ -1,0 +1,44 @@
+/* What the controller is told once: the checks of psp_model/controller.py and of the slave of the Python FMU. */
+#include "controller.h"
+
+#include <math.h>
+#include <string.h>
+
+static bool read_sampling(Front *front, const double *read, Settings *settings)
+{
+    settings->T = read[PSP_T];
+    settings->phase = read[PSP_phase];
+    if (!read_choice(front, "lemma1_policy", read[PSP_lemma1_policy], 1, 2, &settings->policy) ||
+        !finite_or_log(front, "T", settings->T, "s"))
+        return false;
+    REQUIRE(settings->T > 0.0, PSP_SENTENCE_T, settings->T);
+    REQUIRE(0.0 <= settings->phase && settings->phase < settings->T, PSP_SENTENCE_phase, settings->phase, settings->T);
+    return true;
+}
+
+bool read_settings(Front *front, const double *read, Settings *settings)
+{
+    memset(settings, 0, sizeof *settings);
+    settings->a_min = read[PSP_a_min];
+    settings->a_max = read[PSP_a_max];
+    settings->a_safe = read[PSP_a_safe];
+    settings->max_age = read[PSP_max_age];
+    if (!read_sampling(front, read, settings) || !read_constants(front, read, &settings->constants) ||
+        !read_weights(front, read, &settings->weights) || !read_request(front, read, &settings->request) ||
+        !read_choice(front, "bad_input", read[PSP_bad_input], 1, 2, &settings->bad_input))
+        return false;
+    REQUIRE(-INFINITY < settings->a_min && settings->a_min < 0.0 && 0.0 < settings->a_max && settings->a_max < INFINITY,
+            PSP_SENTENCE_limits, settings->a_min, settings->a_max);
+    REQUIRE(settings->a_min <= settings->a_safe && settings->a_safe <= 0.0, PSP_SENTENCE_a_safe, settings->a_safe,
+            settings->a_min);
+    REQUIRE(settings->max_age > 0.0, PSP_SENTENCE_max_age, settings->max_age);
+    return settings->request.old || require_feasible(front, &settings->request.fixed, &settings->constants);
+}
+
+void nothing_decided(const Settings *settings, Command *now)
+{
+    const Shape old = {1.0, 0.0, 0.0, 0.0};
+    memset(now, 0, sizeof *now);
+    now->in_order = true;
+    now->shape = settings->request.old ? old : settings->request.fixed;
+}
