@@ -73,7 +73,17 @@ def _prepare(parts: Path, path: Path, plan: Plan, resume: bool) -> None:
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write a file so that it is there in full or not at all, also after a crash."""
+    """Write a file so that it is there in full or not at all, also after a crash.
+
+    Parameters
+    ----------
+    path : of the file
+    content : all of it
+
+    Raises
+    ------
+    OSError : where it cannot be written; nothing half-written stays
+    """
     partial = path.with_name(path.name + ".partial")
     try:
         with partial.open("wb") as file:

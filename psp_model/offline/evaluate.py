@@ -82,7 +82,7 @@ class Evaluation:
     ----------
     data : starts with their optima
     answers : in the order of the table
-    domains : by name of the answers, shares of starts outside the network's domain
+    out_of_domain : by name of the answers, shares of starts outside the network's domain
     """
 
     data: Dataset
@@ -126,7 +126,16 @@ def best_fixed(data: Dataset) -> Array:
 
 
 def projected(raw: Array, constants: PlatoonParameters) -> Array:
-    """Each of (N, 3) triples inside the feasible set."""
+    """Each triple inside the feasible set (ours, by `feasible.project`).
+
+    Parameters
+    ----------
+    raw : (N, 3) array, alpha [1], r [m], p [1], finite
+
+    Returns
+    -------
+    (N, 3) array
+    """
     shapes = [project(PotentialParameters(*map(float, row)), constants) for row in raw]
     return np.array([_row(shape) for shape in shapes]).reshape(-1, 3)
 
@@ -142,7 +151,14 @@ class Judge:
         self.fixed("best fixed triple", best_fixed(data))
 
     def add(self, name: str, raw: Array, rows: Array | None = None) -> Answers:
-        """Judge triples, one for each of the starts `rows` (all by default)."""
+        """Judge triples, one for each of some starts.
+
+        Parameters
+        ----------
+        name : of the way that chose them
+        raw : (B, 3) array, alpha [1], r [m], p [1], as proposed
+        rows : (B,) array, the starts they belong to; all by default
+        """
         rows = np.arange(len(self.data.J)) if rows is None else rows
         triples = projected(raw, self.data.problem.constants)
         J, T_max = self.engine.costs(self.data.starts[rows], np.arange(len(rows)), triples)
@@ -150,16 +166,35 @@ class Judge:
         return self.evaluation.answers[-1]
 
     def fixed(self, name: str, triple: Array) -> None:
-        """Judge one triple for all starts."""
+        """Judge one triple for all starts.
+
+        Parameters
+        ----------
+        name : of the way that chose it
+        triple : (3,) array, alpha [1], r [m], p [1]
+        """
         self.add(name, np.tile(triple, (len(self.data.J), 1)))
 
     def network(self, name: str, network: ParameterNetwork) -> None:
-        """Judge a network's first answer."""
+        """Judge a network's first answer.
+
+        Parameters
+        ----------
+        name : in the table
+        network : that answers
+        """
         self._note_domain(name, network)
         self.add(name, np.array([_row(network.evaluate(s, v)) for s, v in self._split()]))
 
     def rollout(self, name: str, network: ParameterNetwork, rollouts: int) -> None:
-        """Judge the best of a network's candidates with refinement, as `parameter_source` 3 takes it."""
+        """Judge the best of a network's candidates with refinement, as `parameter_source` 3 takes it.
+
+        Parameters
+        ----------
+        name : in the table
+        network : whose candidates are rolled out
+        rollouts : how many a start may cost
+        """
         self._note_domain(name, network)
         count, rounds = share_rollouts(rollouts)
         raw = np.array([[_row(shape) for shape in network.candidates(s, v, count)] for s, v in self._split()])

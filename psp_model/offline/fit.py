@@ -79,7 +79,17 @@ def initial_layers(sizes: Sequence[int], seed: int) -> Layers:
 
 
 def apply(layers: Sequence[tuple[Any, Any]], x: Any) -> Any:
-    """The network's output for rows x, in NumPy or JAX."""
+    """The network's output: rectified linear units between the layers (paper, section IV), in NumPy or JAX.
+
+    Parameters
+    ----------
+    layers : weights (inputs, outputs) and biases (outputs,) of each layer
+    x : (B, inputs) array, a row for each start
+
+    Returns
+    -------
+    (B, outputs) array
+    """
     for W, b in layers[:-1]:
         x = x @ W + b
         x = x * (x > 0)

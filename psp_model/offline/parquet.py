@@ -71,7 +71,7 @@ class Dataset:
 
 
 def start_columns(vehicles: int) -> list[str]:
-    """Names of the columns that hold a start: s_2..s_n, v_1..v_n."""
+    """Names of the columns that hold a start of n `vehicles`: s_2..s_n, v_1..v_n."""
     return [f"s_{i}" for i in range(2, vehicles + 1)] + [f"v_{i}" for i in range(1, vehicles + 1)]
 
 

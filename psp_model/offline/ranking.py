@@ -86,7 +86,17 @@ def train_ranking(
 
 
 def dictionary_triples(data: Dataset, chosen: Array) -> Array:
-    """(K, 3) alpha, r, p of points of the data set's grid, inside the feasible set."""
+    """Points of the data set's grid as triples inside the feasible set.
+
+    Parameters
+    ----------
+    data : whose grid it is
+    chosen : (K,) array, numbers of the points, r times level
+
+    Returns
+    -------
+    (K, 3) array, alpha [1], r [m], p [1]
+    """
     grid, constants = data.grid, data.problem.constants
     i, j = np.divmod(chosen, grid.level.size)
     triples, _ = SlopeLimit(constants).triples(np.full(i.shape, grid.alpha), grid.r[i], grid.level[j])

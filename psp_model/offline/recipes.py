@@ -71,14 +71,20 @@ class Trained:
 
 
 def split(rows: int, seed: int) -> tuple[Array, Array, Array]:
-    """Row numbers for training (85 %), validation (7.5 %) and test (7.5 %) (paper, section IV)."""
+    """Row numbers for training (85 %), validation (7.5 %) and test (7.5 %) (paper, section IV).
+
+    Parameters
+    ----------
+    rows : how many there are
+    seed : of their order
+    """
     order = np.random.default_rng(seed).permutation(rows)
     first, second = round(0.85 * rows), round(0.925 * rows)
     return order[:first], order[first:second], order[second:]
 
 
 def input_scaling(domain: StartDomain, vehicles: int) -> tuple[Array, Array]:
-    """Shift and scale that map the domain's bounds to -1 and 1."""
+    """Shift and scale, (2n-1,) each, that map the domain's bounds to -1 and 1 for n `vehicles` (ours)."""
     low = np.r_[np.full(vehicles - 1, domain.gap_min), np.full(vehicles, domain.speed_min)]
     high = np.r_[np.full(vehicles - 1, domain.gap_max), np.full(vehicles, domain.speed_max)]
     return (low + high) / 2, (high - low) / 2
@@ -171,7 +177,16 @@ def _cost(data: Dataset, recipe: Recipe) -> tuple[dict[str, Array], dict[str, Ar
 
 
 def regrets(data: Dataset, cap: float) -> Array:
-    """Tables of regret of a data set.
+    """Tables of regret of a data set, J/J* - 1 at each point of its grid.
+
+    Parameters
+    ----------
+    data : with tables of J
+    cap : the largest regret that is kept
+
+    Returns
+    -------
+    (B, R, P) array
 
     Raises
     ------

@@ -150,6 +150,10 @@ class Search:
     def table(self, starts: Array, grid: Grid) -> Array:
         """J of every start at every point of a grid.
 
+        Parameters
+        ----------
+        starts : (B, 2n-1) array, gaps [m] then speeds [m/s]
+
         Returns
         -------
         (B, R, P) float32 array; infinite where no p is feasible
