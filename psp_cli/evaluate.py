@@ -35,6 +35,7 @@ def evaluate(
     from psp_model.offline.evaluate import Judge, as_dict, as_markdown, picture
     from psp_model.offline.model_card import write_card
     from psp_model.offline.parquet import read_dataset
+    from psp_model.offline.whole_file import write_whole
 
     from .train import widths
 
@@ -45,9 +46,9 @@ def evaluate(
     if ipopt:
         _judge_ipopt(judge, found, ipopt)
     command = "psp " + " ".join(sys.argv[1:])
-    output.mkdir(parents=True, exist_ok=True)
     stem = network[0].stem
-    (output / f"{stem}.json").write_text(json.dumps(as_dict(judge.evaluation) | {"command": command}, indent=1) + "\n")
+    found_out = json.dumps(as_dict(judge.evaluation) | {"command": command}, indent=1)
+    write_whole(output / f"{stem}.json", found_out + "\n")
     picture(judge.evaluation, output / f"{stem}.png", command)
     Console(width=160).print(Markdown(as_markdown(judge.evaluation.scores)))
     typer.echo(output / f"{stem}.png")

@@ -53,6 +53,22 @@ class Commands(TyperGroup):
                 raise
             typer.echo(f"psp: {error}", err=True)
             raise typer.Exit(2) from None
+        except OSError as error:
+            typer.echo(f"psp: {_of_a_file(error)}", err=True)
+            raise typer.Exit(2) from None
+        except MemoryError:
+            typer.echo("psp: there is no memory left for this: ask for less, or give it files of usual size", err=True)
+            raise typer.Exit(2) from None
+
+
+def _of_a_file(error: OSError) -> str:
+    """What is wrong with a file, and the remedy."""
+    import errno
+
+    full = error.errno in (errno.ENOSPC, errno.EFBIG, errno.EDQUOT)
+    remedy = "make room there" if full else "mend that"
+    place = error.filename2 or error.filename or "a file"
+    return f"{place} cannot be read or written ({error.strerror or error}): {remedy}, or choose another place"
 
 
 app = typer.Typer(

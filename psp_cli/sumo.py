@@ -44,9 +44,11 @@ def sumo(
         text = _tables(situation, fmu or _built(Path(folder)), seed, duration, sweep)
     typer.echo(text)
     if output is not None:
+        from psp_model.offline.whole_file import write_whole
+
         from .options import command_line
 
-        output.write_text(f"`{command_line()}`\n\n{text}\n", encoding="utf-8")
+        write_whole(output, f"`{command_line()}`\n\n{text}\n")
 
 
 def _built(folder: Path) -> Path:

@@ -13,6 +13,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from psp_model.offline.whole_file import whole_file
 from psp_model.parameters import PlatoonParameters
 
 from .cases import Case
@@ -99,12 +100,11 @@ def write_film(cases: Sequence[Case], path: Path) -> None:
     FilmError : as `writer_for` does
     """
     writer = writer_for(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     constants = cases[0].setup.start.constants
     places = [moving_frame(case.run, constants.v_star) for case in cases]
     with matplotlib.rc_context(RC | {"axes.grid": False}):
         figure, lanes, marks = _road(cases, places, constants)
-        with writer.saving(figure, str(path), dpi=100):
+        with whole_file(path) as partial, writer.saving(figure, str(partial), dpi=100):
             for time in frame_times(max(float(case.run.time[-1]) for case in cases)):
                 for case, place, cars, dashes in zip(cases, places, lanes, marks, strict=True):
                     at = [np.interp(time, case.run.time, column) for column in place.T]

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from psp_model.offline.whole_file import whole_file
 from psp_model.simulate import Run
 
 
@@ -72,9 +73,7 @@ def write_csv(path: str | Path, result: Any) -> None:
     path : the file; missing folders are made
     result : structured array with the column `time` first
     """
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with open(path, "w", encoding="utf-8", newline="\n") as file:
+    with whole_file(Path(path)) as partial, partial.open("w", encoding="utf-8", newline="\n") as file:
         file.write(",".join(f'"{name}"' for name in result.dtype.names) + "\n")
         for row in result:
             file.write(",".join(repr(float(value)) for value in row) + "\n")

@@ -10,6 +10,8 @@ import matplotlib
 from matplotlib import colormaps
 from matplotlib.figure import Figure
 
+from psp_model.offline.whole_file import whole_file
+
 OKABE_ITO = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#F0E442")
 """The palette of Okabe and Ito (2008); yellow comes last because it is hard to see on white."""
 
@@ -87,7 +89,6 @@ def save(figure: Figure, path: str | Path, command: str = "") -> list[Path]:
     the files written
     """
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     vector = ".pdf" if path.suffix == ".pdf" else ".svg"
     written = [path.with_suffix(".png"), path.with_suffix(vector)]
     metadata: dict[str, dict[str, Any]] = {
@@ -97,5 +98,6 @@ def save(figure: Figure, path: str | Path, command: str = "") -> list[Path]:
     }
     with matplotlib.rc_context(RC):
         for file in written:
-            figure.savefig(file, dpi=150, metadata=metadata[file.suffix])
+            with whole_file(file) as partial:
+                figure.savefig(partial, dpi=150, metadata=metadata[file.suffix])
     return written

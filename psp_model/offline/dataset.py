@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import os
 import shutil
 from collections.abc import Callable, Iterator
@@ -15,6 +14,7 @@ import numpy as np
 from .errors import OfflineError
 from .parquet import write_dataset
 from .plan import Plan, solve_chunk
+from .whole_file import read_arrays, write_whole
 
 
 def make_dataset(
@@ -66,34 +66,10 @@ def _prepare(parts: Path, path: Path, plan: Plan, resume: bool) -> None:
     note = parts / "plan.json"
     if note.exists() and not resume:
         raise OfflineError(f"{parts} holds an unfinished run: go on with --resume, or remove that folder")
-    if note.exists() and note.read_text() != plan.as_json():
+    if note.exists() and note.read_bytes() != plan.as_json().encode():
         raise OfflineError(f"{parts} was begun with other options than these: repeat those, or remove that folder")
     parts.mkdir(parents=True, exist_ok=True)
     write_whole(note, plan.as_json().encode())
-
-
-def write_whole(path: Path, content: bytes) -> None:
-    """Write a file so that it is there in full or not at all, also after a crash.
-
-    Parameters
-    ----------
-    path : of the file
-    content : all of it
-
-    Raises
-    ------
-    OSError : where it cannot be written; nothing half-written stays
-    """
-    partial = path.with_name(path.name + ".partial")
-    try:
-        with partial.open("wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        partial.replace(path)
-    except OSError:
-        partial.unlink(missing_ok=True)
-        raise
 
 
 def _part(parts: Path, number: int) -> Path:
@@ -102,8 +78,15 @@ def _part(parts: Path, number: int) -> Path:
 
 def _assembled(parts: Path, count: int) -> dict[str, Any]:
     """The columns of all parts, in order."""
-    loaded = [np.load(io.BytesIO(_part(parts, number).read_bytes())) for number in range(count)]
-    return {name: np.concatenate([part[name] for part in loaded]) for name in loaded[0].files}
+    loaded = [_read_part(_part(parts, number)) for number in range(count)]
+    return {name: np.concatenate([part[name] for part in loaded]) for name in loaded[0]}
+
+
+def _read_part(path: Path) -> dict[str, Any]:
+    try:
+        return read_arrays(path)
+    except ValueError:
+        raise OfflineError(f"{path} is damaged: remove it and run the same command with --resume") from None
 
 
 def _here(plan: Plan, missing: list[int], threads: int | None) -> Iterator[tuple[int, bytes]]:

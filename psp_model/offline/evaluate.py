@@ -20,6 +20,7 @@ from .errors import OfflineError
 from .parquet import Dataset
 from .ranking import choose_dictionary, dictionary_triples
 from .recipes import output_scaling, regrets
+from .whole_file import whole_file
 
 Array = NDArray[Any]
 
@@ -284,5 +285,5 @@ def picture(evaluation: Evaluation, path: Path, command: str) -> None:
     axes.legend(fontsize="small")
     axes.grid(alpha=0.3)
     figure.supxlabel(fill(command, 130), fontsize=6)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=110)
+    with whole_file(path) as partial:
+        figure.savefig(partial, dpi=110)

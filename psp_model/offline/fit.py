@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import os
-import pickle
+import io
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from itertools import pairwise
@@ -12,6 +11,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .errors import OfflineError
+from .whole_file import read_arrays, write_whole
 
 Array = NDArray[Any]
 Layers = list[tuple[Any, Any]]
@@ -146,7 +148,8 @@ def fit(
     epoch_of = jax.jit(lambda layers, state, order: jax.lax.scan(step, (layers, state), order))
     validate = jax.jit(loss)
     key = repr((asdict(schedule), seed, rows, [W.shape for W, _ in layers]))
-    state = _resumed(checkpoint, key) or Fit(layers, adam.init(layers), layers, np.inf, -1, [])
+    fresh = Fit(layers, adam.init(layers), layers, np.inf, -1, [])
+    state = _resumed(checkpoint, key, fresh) or fresh
     while len(state.history) < schedule.epochs and len(state.history) - 1 - state.best_epoch < schedule.patience:
         epoch = len(state.history)
         order = np.random.default_rng([seed, epoch]).permutation(rows)[: batches * min(schedule.batch, rows)]
@@ -156,24 +159,49 @@ def fit(
             state.best, state.best_loss, state.best_epoch = state.layers, state.history[-1][1], epoch
         watch(epoch, *state.history[-1])
         if checkpoint and epoch % 25 == 24:
-            _save(checkpoint, key, jax.device_get(state.__dict__))
+            _save(checkpoint, key, state)
         if state.history[-1][0] < schedule.stop_below:
             break
     state.best = [(np.asarray(W), np.asarray(b)) for W, b in state.best]
     return state
 
 
-def _save(path: Path, key: str, fields: dict[str, Any]) -> None:
-    partial = path.with_name(path.name + ".partial")
-    with partial.open("wb") as file:
-        pickle.dump((key, fields), file)
-        os.fsync(file.fileno())
-    partial.replace(path)
+def _save(path: Path, key: str, state: Fit) -> None:
+    """Write a checkpoint: plain arrays, so that reading one can run no code."""
+    import jax
+
+    leaves = jax.tree.leaves((state.layers, state.optimiser, state.best))
+    arrays: dict[str, Any] = {f"leaf_{place}": np.asarray(leaf) for place, leaf in enumerate(leaves)}
+    arrays |= {"key": np.array(key), "best": np.array([state.best_loss, state.best_epoch])}
+    arrays["history"] = np.array(state.history)
+    file = io.BytesIO()
+    np.savez(file, **arrays)
+    write_whole(path, file.getvalue())
 
 
-def _resumed(path: Path | None, key: str) -> Fit | None:
-    """The fit kept in a checkpoint, if it is of the same data, schedule and seed."""
+def _resumed(path: Path | None, key: str, fresh: Fit) -> Fit | None:
+    """The fit kept in a checkpoint, if it is of the same data, schedule and seed; it has the structure of `fresh`.
+
+    Raises
+    ------
+    OfflineError : where the file is no checkpoint
+    """
+    import jax
+
     if path is None or not path.exists():
         return None
-    found, fields = pickle.loads(path.read_bytes())
-    return Fit(**fields) if found == key else None
+    try:
+        found = read_arrays(path)
+        if str(found["key"]) != key:
+            return None
+        parts = fresh.layers, fresh.optimiser, fresh.best
+        usual, structure = jax.tree.flatten(parts)
+        leaves = [found[f"leaf_{place}"] for place in range(len(usual))]
+        if any(np.shape(leaf) != np.shape(other) for leaf, other in zip(leaves, usual, strict=True)):
+            raise ValueError
+        history = [(float(training), float(validation)) for training, validation in found["history"]]
+        loss, epoch = found["best"]
+        now, optimiser, best = jax.tree.unflatten(structure, leaves)
+        return Fit(now, optimiser, best, float(loss), int(epoch), history)
+    except (KeyError, TypeError, ValueError):
+        raise OfflineError(f"{path} is not a checkpoint of this training: remove it, or leave --resume out") from None

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from .evaluate import Evaluation, as_markdown
+from .whole_file import write_whole
 
 _TEXT = """# {name}
 
@@ -76,7 +77,7 @@ def write_card(path: Path, evaluation: Evaluation, command: str) -> Path:
         command=command,
     )
     card = path.with_suffix(".md")
-    card.write_text(text)
+    write_whole(card, text)
     return card
 
 

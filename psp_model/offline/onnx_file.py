@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from .. import network
 from ..state import StartDomain
 from .engine import Problem
+from .whole_file import write_whole
 
 Layers = Sequence[tuple[NDArray[Any], NDArray[Any]]]
 
@@ -111,9 +112,7 @@ def write_network(
     )
     helper.set_model_props(model, origin.entries())
     onnx.checker.check_model(model)
-    partial = path.with_name(path.name + ".partial")
-    partial.write_bytes(model.SerializeToString())
-    partial.replace(path)
+    write_whole(path, model.SerializeToString())
 
 
 def _chain(layers: Layers, name: str, output: str) -> tuple[list[Any], list[Any]]:

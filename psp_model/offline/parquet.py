@@ -18,6 +18,7 @@ from .engine import Problem
 from .errors import OfflineError
 from .plan import Plan
 from .search import EFFORTS, Grid, Search
+from .whole_file import whole_file
 
 Array = NDArray[Any]
 
@@ -119,13 +120,8 @@ def write_dataset(plan: Plan, solved: dict[str, Array], path: Path) -> None:
         "versions": json.dumps({name: version(name) for name in ("numpy", "casadi", "pyarrow", "ziglang")}),
     }
     table = pa.Table.from_arrays(arrays, schema=pa.schema(fields, metadata=about))
-    partial = path.with_name(path.name + ".partial")
-    try:
+    with whole_file(path) as partial:
         pq.write_table(table, partial, compression="zstd", row_group_size=_ROW_GROUP, use_dictionary=False)
-        partial.replace(path)
-    except OSError:
-        partial.unlink(missing_ok=True)
-        raise
 
 
 def read_dataset(path: Path) -> Dataset:

@@ -19,6 +19,7 @@ from .fit import Fit, Layers, Schedule, apply, fit, initial_layers
 from .onnx_file import fold_scaling
 from .parquet import Dataset
 from .slope_limit import SlopeLimit
+from .whole_file import whole_file
 
 Array = NDArray[Any]
 Watch = Callable[[int, float, float], None]
@@ -216,5 +217,5 @@ def curves(found: Sequence[tuple[float, float]], best: int, path: Path, title: s
     axes.axvline(best + 1, color="grey", linewidth=0.8, label="kept")
     axes.set(xlabel="epoch", ylabel=label, title=title)
     axes.legend()
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=100)
+    with whole_file(path) as partial:
+        figure.savefig(partial, dpi=100)

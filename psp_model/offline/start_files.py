@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import re
-import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +14,8 @@ from numpy.typing import NDArray
 from ..errors import ModelError
 from ..parameters import PlatoonParameters
 from ..state import PlatoonState
-from .dataset import write_whole
 from .errors import OfflineError
+from .whole_file import read_arrays, write_whole
 
 Array = NDArray[Any]
 
@@ -58,16 +57,15 @@ def read_starts(path: Path, constants: PlatoonParameters | None = None) -> Array
 
 def _from_npz(path: Path) -> tuple[Array, Array]:
     try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-    except (ValueError, zipfile.BadZipFile, EOFError):
+        arrays = read_arrays(path)
+    except ValueError:
         raise OfflineError(f"{path} is not an NPZ file that can be read: write it with numpy.savez") from None
     if set(arrays) != {"s0", "v0"}:
         found = ", ".join(sorted(arrays)) or "none"
         raise OfflineError(f"{path} holds the arrays {found}: it needs s0 [B, n-1] and v0 [B, n] and no others")
     try:
         s, v = arrays["s0"].astype(float), arrays["v0"].astype(float)
-    except ValueError:
+    except (TypeError, ValueError):
         raise OfflineError(f"{path} holds something else than numbers: s0 and v0 must be numeric arrays") from None
     if s.ndim != 2 or v.ndim != 2 or len(s) != len(v) or v.shape[1] != s.shape[1] + 1 or v.shape[1] < 2:
         shapes = f"s0 {list(s.shape)} and v0 {list(v.shape)}"
@@ -135,7 +133,6 @@ def write_optima(path: Path, columns: dict[str, Array]) -> None:
         ]
         content = ("\n".join(lines) + "\n").encode()
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, content)
     except OSError as error:
         raise OfflineError(

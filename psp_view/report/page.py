@@ -12,6 +12,7 @@ from pathlib import Path
 from string import Template
 
 from psp_model.network import ParameterNetwork
+from psp_model.offline.whole_file import write_whole
 
 from ..cases import Case
 from . import tables
@@ -95,5 +96,4 @@ def write_report(
     cases, command, network, title : as for `report_html`
     path : the file; missing folders are made
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(report_html(cases, command, network, title), encoding="utf-8", newline="\n")
+    write_whole(path, report_html(cases, command, network, title))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -14,6 +15,7 @@ from psp_model.choose import ParameterSource, Request, choose_potential
 from psp_model.network import ParameterNetwork
 from psp_model.offline.cost_table import TableCost, regret_tables
 from psp_model.offline.dataset import make_dataset
+from psp_model.offline.errors import OfflineError
 from psp_model.offline.evaluate import Judge, as_markdown
 from psp_model.offline.export import check_export
 from psp_model.offline.fit import Schedule, apply, fit, initial_layers
@@ -155,3 +157,31 @@ def test_evaluation_agrees_with_runs_of_the_model(data: Dataset, tmp_path: Path)
     assert score.mean == pytest.approx(float((fixed.J / data.J[:4] - 1).mean()))
     assert score.beats_fixed == 0.0
     assert "rollout" in as_markdown(judge.evaluation.scores)
+
+
+class _Bomb:
+    """What a hostile checkpoint would hold: unpickling it makes a file."""
+
+    def __init__(self, path: Path):
+        self.path = path
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return Path.touch, (self.path,)
+
+
+def test_a_checkpoint_runs_no_code_and_a_damaged_one_is_named(tmp_path: Path) -> None:
+    rows = {"x": np.ones((8, 2), np.float32)}
+
+    def loss(layers: object, batch: dict[str, np.ndarray]) -> object:
+        return (apply(layers, batch["x"]) ** 2).mean()
+
+    checkpoint, trace = tmp_path / "checkpoint", tmp_path / "trace"
+    arguments = (initial_layers([2, 2], 1), loss, rows, rows, Schedule(1e-3, True, 26, 8, 40), 3, checkpoint)
+    fit(*arguments)
+    good = checkpoint.read_bytes()
+    np.savez(tmp_path / "bomb.npz", key=np.array([_Bomb(trace)], dtype=object), allow_pickle=True)
+    for content in (pickle.dumps(_Bomb(trace)), (tmp_path / "bomb.npz").read_bytes(), good[:-30], b""):
+        checkpoint.write_bytes(content)
+        with pytest.raises(OfflineError, match="is not a checkpoint of this training: remove it"):
+            fit(*arguments)
+    assert not trace.exists()
