@@ -9,7 +9,7 @@ from pathlib import Path
 from fmu_src.python_runtime import NetworkFile, build_python_fmu, network_for
 from psp_model import ModelError
 
-COMPONENTS = ["platoon", "open-platoon", "controller", "plant", "leader"]
+COMPONENTS = ["platoon", "controller", "plant", "leader"]
 NATIVE = ("platoon", "controller")  # components with a native runtime
 
 
@@ -21,9 +21,9 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     arguments : without the program's name; None for those of the process
     """
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--vehicles", type=int, default=7, metavar="N", help="vehicles, at least 2 (7)")
-    text = "platoon: the closed loop; open-platoon: the loop with vehicles that join and leave; controller: for "
-    text += "other vehicles; plant: ideal vehicles; leader: a speed profile (platoon)"
+    parser.add_argument("--vehicles", type=int, default=7, metavar="N", help="most vehicles, at least 2 (7)")
+    text = "platoon: the closed loop, whose vehicles may join and leave; controller: for other vehicles; "
+    text += "plant: ideal vehicles; leader: a speed profile (platoon)"
     parser.add_argument("--component", choices=COMPONENTS, default="platoon", help=text)
     parser.add_argument("--output", type=Path, default=Path("dist"), metavar="DIR", help="folder to write to (dist)")
     parser.add_argument("--runtime", choices=["python", "native"], default="python", help="of the FMU (python)")
@@ -77,7 +77,6 @@ def build(options: argparse.Namespace, network: NetworkFile | None) -> Path:
     from fmu_src import traffic_runtime as traffic
 
     makers = {
-        "open-platoon": traffic.build_open_platoon_fmu,
         "controller": traffic.build_controller_fmu,
         "plant": traffic.build_plant_fmu,
         "leader": traffic.build_leader_fmu,

@@ -21,14 +21,13 @@ code { font-size: 0.95em; }
 _SAMPLING_OF_A_LOOP = """<p>The feedback is sampled every <code>T</code> seconds by the FMU's own clock, beginning at
 the start time. A communication step may be <code>T</code>, a multiple of it, any part of it, or 0: what happens at the
 sampling instants does not depend on it, and between them the outputs follow the exact polynomials. At a communication
-point that is a sampling instant the outputs are those just after sampling.</p>"""
+point that is a sampling instant the outputs are those just after sampling.</p>
+<p>A vehicle joins where <code>insert</code> rises above 0.5, and leaves where <code>remove</code> does: at the
+communication point where the input is set, when the next step begins; if both, one leaves first. That is a sampling
+instant of its own; <code>alpha</code>, <code>r</code>, <code>p</code> are chosen anew for the new initial state. A
+vehicle joins only if Lemma 1 certifies <code>T</code> for the platoon with it; if not, <code>change_ok</code> is 0,
+<code>gap_offered</code> is a gap that would do, and a warning says so.</p>"""
 _SAMPLING = {
-    "PspOpenPlatoon": _SAMPLING_OF_A_LOOP
-    + """<p>A vehicle joins where <code>insert</code> rises above 0.5, and leaves where <code>remove</code> does: at the
-communication point where the input is set, when the next step begins. That is a sampling instant of its own;
-<code>alpha</code>, <code>r</code>, <code>p</code> are chosen anew for the new initial state. A vehicle joins only if
-Lemma 1 certifies <code>T</code> for the platoon with it; if not, <code>change_ok</code> is 0, <code>gap_offered</code>
-is a gap that would do, and a warning says so.</p>""",
     "PspController": """<p>The sampling instants lie at start + <code>phase</code> + k <code>T</code>, whatever the
 communication step. At a communication point that is a sampling instant, set the inputs; the outputs read after that are
 the new commands, so that a host that sets, reads and then steps the plant has no delay. A host that does not read them

@@ -54,14 +54,15 @@ def _parameter_set(name: str, values: Mapping[str, float], integers: set[str], p
 
 
 def scenario_values(table: Sequence[Variable], scenario: str) -> dict[str, float]:
-    """All start values of a scenario: the table's, with what the scenario changes.
+    """All parameters of a scenario: the table's, with what the scenario changes.
 
     Parameters
     ----------
     table : the variables
     scenario : name in SCENARIOS
     """
-    return {row.name: row.start for row in table if row.start is not None} | dict(SCENARIOS[scenario])
+    parameters = (row for row in table if row.causality == "parameter")
+    return {row.name: row.start for row in parameters if row.start is not None} | dict(SCENARIOS[scenario])
 
 
 def parameter_files(table: Sequence[Variable]) -> dict[str, bytes]:
@@ -91,6 +92,8 @@ def system_structure(table: Sequence[Variable], fmu: str) -> bytes:
     component = SubElement(elements, "ssd:Component", name="platoon", source=f"resources/{fmu}", type=kind)
     connectors = SubElement(component, "ssd:Connectors")
     for row in table:
+        if row.causality == "input":  # fmpy cannot run a system that leaves an input unconnected
+            continue
         connector = SubElement(connectors, "ssd:Connector", name=row.name, kind=row.causality)
         SubElement(connector, f"ssc:{row.fmi_type}")
     bindings = SubElement(component, "ssd:ParameterBindings")

@@ -6,33 +6,50 @@ around this slave, returns that status from the FMI call.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from copy import copy
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from psp_model.choose import choose_potential, outside_domain
+from psp_model.choose import ParameterSource, choose_for_any_number
 from psp_model.errors import ModelError
+from psp_model.feasible import require_feasible
+from psp_model.membership import OpenPlatoon, Refusal
 from psp_model.network import ParameterNetwork
-from psp_model.parameters import PlatoonParameters
+from psp_model.parameters import PlatoonParameters, PotentialParameters
 from psp_model.platoon import SampledPlatoon, locate
 from psp_model.state import PlatoonState, StartDomain
 
-from .slave_state import SlaveState, from_bytes, to_bytes
+from .slave_state import Members, SlaveState, from_bytes, to_bytes
 from .table_slave import LONGEST, TableSlave, logged
 from .variables import Variable, platoon_table
 
+Vector = NDArray[np.float64]
+
 
 class PspPlatoon(TableSlave):
-    """The closed loop of n vehicles as an FMI 2.0 co-simulation slave (design, section 3)."""
+    """The closed loop of up to N vehicles as an FMI 2.0 co-simulation slave (design, section 3).
+
+    Vehicles join and leave where a communication step begins.
+    """
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         self._trained: dict[str, Any] | None = self._config["network"]
-        self._network_file = Path(self.resources) / self._trained["file"] if self._trained else None
+        self._networks: dict[int, ParameterNetwork] = {}
+        if self._trained:
+            self._networks[self.vehicles] = ParameterNetwork(Path(self.resources) / self._trained["file"])
         self._platoon: SampledPlatoon | None = None
         self._in_domain = 0.0
+        self._triggers = self._place["insert"], self._place["remove"]
+        self._become(Members())
+
+    def _become(self, members: Members) -> None:
+        self._members, self._told = members, members.told(self.vehicles)
 
     def _make_table(self) -> tuple[Variable, ...]:
         return platoon_table(self.vehicles, self._config["default_source"])
@@ -43,7 +60,7 @@ class PspPlatoon(TableSlave):
     def _changed(self, inputs: bool) -> None:
         if not inputs:
             self._platoon = None
-        self._stale = True
+            self._stale = True
 
     # initialisation
 
@@ -56,19 +73,78 @@ class PspPlatoon(TableSlave):
 
     def _initialise(self) -> SampledPlatoon:
         """The platoon that the parameters describe, at its first sampling instant."""
-        n, constants, weights, sampling = self.vehicles, self._constants(), self._weights(), self._sampling()
+        n, constants, weights, sampling = self._chosen("n_start"), self._constants(), self._weights(), self._sampling()
         gaps, speeds = np.array(self._numbers("s_start", 2, n)), np.array(self._numbers("v_start", 1, n))
         start = PlatoonState(gaps, speeds, constants, self._value("x_start"))
         request = self._request()
-        network = ParameterNetwork(self._network_file) if self._network_file else None
-        self._in_domain = self._lies_in_domain(start)
-        shape = choose_potential(start, request, network, weights, sampling, self._warn)
-        return SampledPlatoon(start, shape, weights, sampling, self._warn)
+        if not request.old and request.source is not ParameterSource.FIXED:
+            if not self._networks:
+                raise ModelError("no_network", n)
+            require_feasible(request.fixed, constants)  # or a later change could find no potential at all
+        shape = self._choose(start.s, start.v, self._warn)
+        platoon = SampledPlatoon(start, shape, weights, sampling, self._warn)
+        self._in_domain = self._lies_in_domain(platoon)
+        self._become(Members(tuple(range(1, n + 1)), n))
+        return platoon
+
+    def _choose(self, s: Vector, v: Vector, warn: Callable[[str], None]) -> PotentialParameters:
+        """The potential for vehicles that have just come together."""
+        how = (self._request(), self._networks, self._weights(), self._sampling(), warn)
+        return choose_for_any_number(s, v, self._constants(), *how)[0]
+
+    def _lies_in_domain(self, platoon: SampledPlatoon) -> float:
+        """1.0 if the platoon is as many as this FMU's network is for, in its training domain, else 0.0."""
+        now = platoon.now
+        if self._trained is None or now.v.size != self.vehicles:
+            return 0.0
+        domain, constants = StartDomain(**self._trained["domain"]), PlatoonParameters(**self._trained["constants"])
+        return float(platoon.start.constants == constants and bool(domain.contains(now.s, now.v)))
+
+    # joining and leaving
+
+    def _make_changes(self) -> None:
+        """Let a vehicle leave, then one join, where the triggers have risen."""
+        insert, remove = (self._values[place] for place in self._triggers)
+        before = self._members
+        if insert == before.insert and remove == before.remove:
+            return
+        at = locate(self._time - self._start_time, self._value("T"))
+        if remove > 0.5 and not before.remove > 0.5:
+            self._make(lambda road: road.remove(self._value("remove_place"), *at))
+        if insert > 0.5 and not before.insert > 0.5:
+            behind, gap, speed = (self._value(f"insert_{name}") for name in ("behind", "gap", "speed"))
+            self._make(lambda road: road.insert(behind, gap, speed, *at))
+        self._become(replace(self._members, insert=insert, remove=remove))
+
+    def _make(self, change: Callable[[OpenPlatoon], Refusal | None]) -> None:
+        """Make a change or note why not."""
+        assert self._platoon is not None
+        members = self._members
+        heard: list[str] = []
+
+        def choose(s: Vector, v: Vector) -> PotentialParameters:
+            heard.clear()  # what an earlier trial was warned of does not count
+            return self._choose(s, v, heard.append)
+
+        road = OpenPlatoon(self._platoon, self.vehicles, choose, members.vehicles, members.joined)
+        refused = change(road)
+        if refused:
+            self._warn(refused.sentence)
+            counted = replace(members, gap_offered=float(np.nan_to_num(refused.gap)), refusals=members.refusals + 1)
+            self._become(replace(counted, change_ok=0.0))
+            return
+        for sentence in heard:
+            self._warn(sentence)
+        self._platoon, self._in_domain = road.platoon, self._lies_in_domain(road.platoon)
+        counted = replace(members, vehicles=road.vehicles, joined=road.joined, changes=members.changes + 1)
+        self._become(replace(counted, change_ok=1.0))
 
     # time
 
     @logged
     def do_step(self, current_time: float, step_size: float) -> bool:
+        if step_size > 0.0:
+            self._make_changes()
         platoon = self._platoon
         assert platoon is not None  # the launcher lets nobody step before initialisation has ended
         time = current_time + step_size
@@ -89,8 +165,11 @@ class PspPlatoon(TableSlave):
             self._platoon = self._initialise()
         platoon = self._platoon
         seen = platoon.observe(*locate(self._time - self._start_time, platoon.sampling.T))
-        motion = [value for part in (seen.x, seen.v, seen.a, seen.s) for value in part.tolist()]
-        self._values[self._first_output :] = [*motion, *self._reported(platoon, seen.cost.tolist())]
+        parts = [part.tolist() for part in (seen.x, seen.v, seen.a, seen.s)]
+        if missing := [0.0] * (self.vehicles - seen.v.size):
+            parts = [part + missing for part in parts]
+        reported = self._reported(platoon, seen.cost.tolist())
+        self._values[self._first_output :] = [value for part in (*parts, reported, self._told) for value in part]
         self._stale = False
 
     def _reported(self, platoon: SampledPlatoon, cost: list[float]) -> list[float]:
@@ -100,13 +179,6 @@ class PspPlatoon(TableSlave):
         reports = (shape.alpha, shape.r, shape.p, self._in_domain, min(now.T_max, LONGEST))
         lemma1 = (float(now.T_max > platoon.sampling.T), float(now.violations))
         return [*reports, *lemma1, of_acceleration + of_gaps, of_acceleration, of_gaps]
-
-    def _lies_in_domain(self, start: PlatoonState) -> float:
-        """1.0 if the start lies in the training domain of this FMU's network, else 0.0."""
-        if self._trained is None:
-            return 0.0
-        domain, constants = StartDomain(**self._trained["domain"]), PlatoonParameters(**self._trained["constants"])
-        return float(outside_domain(start, domain, constants) is None)
 
     # the whole state
 
@@ -118,6 +190,7 @@ class PspPlatoon(TableSlave):
             time=self._time,
             in_domain=self._in_domain,
             initialising=self._initialising,
+            members=self._members,
             platoon=copy(self._platoon),
         )
 
@@ -126,6 +199,7 @@ class PspPlatoon(TableSlave):
         self._values[: self._first_output] = state.values
         self._start_time, self._time, self._in_domain = state.start_time, state.time, state.in_domain
         self._initialising, self._stale = state.initialising, True
+        self._become(state.members)
         self._platoon = copy(state.platoon)
         if self._platoon is not None:
             self._platoon.warn = self._warn

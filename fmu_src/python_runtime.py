@@ -38,15 +38,6 @@ _SLAVE_FILES = {
         "controller_variables.py",
         "controller_slave.py",
     ),
-    "PspOpenPlatoon": (
-        "__init__.py",
-        "variables.py",
-        "slave_state.py",
-        "table_slave.py",
-        "platoon_slave.py",
-        "open_variables.py",
-        "open_slave.py",
-    ),
     "PspLeader": ("__init__.py", "variables.py", "table_slave.py", "controller_variables.py", "leader_slave.py"),
     "PspPlant": ("__init__.py", "variables.py", "table_slave.py", "controller_variables.py", "plant_slave.py"),
 }

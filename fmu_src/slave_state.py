@@ -13,16 +13,52 @@ from psp_model.platoon import Instant, Lemma1Policy, SampledPlatoon, Sampling
 from psp_model.state import PlatoonState
 
 
+@dataclass(frozen=True)
+class Members:
+    """Which vehicles there are, and what became of the changes asked for.
+
+    Attributes
+    ----------
+    vehicles : number of each vehicle, leader first
+    joined : vehicles there have been so far
+    change_ok : 1.0 if the last change asked for was made, or none was
+    gap_offered : at which the vehicle refused last could have joined, 0 if there was none [m]
+    changes, refusals : made and refused so far
+    insert, remove : the triggers when the last step began
+    """
+
+    vehicles: tuple[int, ...] = ()
+    joined: int = 0
+    change_ok: float = 1.0
+    gap_offered: float = 0.0
+    changes: int = 0
+    refusals: int = 0
+    insert: float = 0.0
+    remove: float = 0.0
+
+    def told(self, capacity: int) -> list[float]:
+        """The outputs on joining and leaving, in the order of the table.
+
+        Parameters
+        ----------
+        capacity : most vehicles N
+        """
+        n = len(self.vehicles)
+        numbers = (n, *self.vehicles, *(0,) * (capacity - n))
+        return [*map(float, (*numbers, self.change_ok, self.gap_offered, self.changes, self.refusals))]
+
+
 @dataclass(frozen=True, eq=False)
 class SlaveState:
     """Everything that a slave's future depends on.
 
     Attributes
     ----------
-    values : the parameters, in the order of the table
+    values : the parameters and inputs, in the order of the table
     start_time, time : start and last communication point [s]
-    in_domain : 1.0 if the start lies in the network's domain
+    in_domain : 1.0 if the vehicles were in the network's domain when the potential was chosen
     initialising : whether in initialisation mode
+    members : which vehicles there are
     platoon : the platoon, None before there is one
     """
 
@@ -31,6 +67,7 @@ class SlaveState:
     time: float
     in_domain: float
     initialising: bool
+    members: Members
     platoon: SampledPlatoon | None
 
 
@@ -41,8 +78,9 @@ def to_bytes(state: SlaveState) -> bytes:
     ----------
     state : the state
     """
-    fields = {name: getattr(state, name) for name in SlaveState.__dataclass_fields__ if name != "platoon"}
-    return json.dumps(fields | {"platoon": state.platoon and _pack(state.platoon)}).encode()
+    fields = {name: getattr(state, name) for name in ("values", "start_time", "time", "in_domain", "initialising")}
+    parts = {"members": asdict(state.members), "platoon": state.platoon and _pack(state.platoon)}
+    return json.dumps(fields | parts).encode()
 
 
 def from_bytes(data: bytes) -> SlaveState:
@@ -53,9 +91,9 @@ def from_bytes(data: bytes) -> SlaveState:
     data : as written
     """
     fields = json.loads(data)
-    platoon = fields.pop("platoon")
-    values = tuple(fields.pop("values"))
-    return SlaveState(**fields, values=values, platoon=platoon and _unpack(platoon))
+    members, platoon, values = fields.pop("members"), fields.pop("platoon"), tuple(fields.pop("values"))
+    members["vehicles"] = tuple(members["vehicles"])
+    return SlaveState(**fields, values=values, members=Members(**members), platoon=platoon and _unpack(platoon))
 
 
 def _pack(platoon: SampledPlatoon) -> dict[str, Any]:

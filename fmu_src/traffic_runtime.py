@@ -1,4 +1,4 @@
-"""`PspController.fmu`, `PspPlant.fmu`, `PspOpenPlatoon.fmu`: other people's vehicles, and those that join and leave."""
+"""`PspController.fmu`, `PspPlant.fmu` and `PspLeader.fmu`: other people's vehicles."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from .controller_variables import controller_table, leader_table, plant_table
-from .open_variables import open_table
 from .python_runtime import NEEDS, NetworkFile, network_for, pack_slave
 
 CONTROLLER = "Commands accelerations to a platoon of vehicles from their measured gaps and speeds"
@@ -49,24 +48,6 @@ def _of_networks(capacity: int) -> tuple[dict[str, Any], list[NetworkFile], list
         "networks": {n: network.name for n, network in networks.items()},
     }
     return config, list(networks.values()), [note_on_networks(capacity, networks), NEEDS]
-
-
-def build_open_platoon_fmu(capacity: int, output: Path) -> Path:
-    """Write PspOpenPlatoon.fmu.
-
-    Parameters
-    ----------
-    capacity : most vehicles N, at least 2
-    output : folder
-
-    Returns
-    -------
-    path of the FMU
-    """
-    config, networks, notes = _of_networks(capacity)
-    description = "The platoon under sampled feedback, with vehicles that join and leave while it drives"
-    table = open_table(capacity, config["default_source"])
-    return pack_slave("PspOpenPlatoon", description, table, config, networks, notes, output)
 
 
 def build_controller_fmu(capacity: int, output: Path) -> Path:

@@ -96,7 +96,7 @@ def _constants() -> Iterator[Variable]:
     yield Variable("s_ref", "Scale of the gaps in J, above 0", "m", w.s_ref, 0, nominal=20)
 
 
-def _choices(default_source: int) -> Iterator[Variable]:
+def _choices(n: int, default_source: int) -> Iterator[Variable]:
     def choice(name: str, description: str, start: int, low: int, high: int | None) -> Variable:
         return Variable(name, description, start=start, minimum=low, maximum=high, integer=True)
 
@@ -112,6 +112,8 @@ def _choices(default_source: int) -> Iterator[Variable]:
     yield choice("max_short_periods", text, Sampling().max_short_periods, 1, None)
     text = "Most rollouts at initialisation with parameter_source 3"
     yield choice("rollout_count", text, 16, 1, 1000)
+    text = "How many vehicles there are at the start: the first ones of s_start and v_start"
+    yield choice("n_start", text, n, 1, n)
     text = "Horizon of the rollouts with parameter_source 3, above 0"
     yield Variable("rollout_horizon", text, "s", HORIZON, 0, nominal=20)
     text = "alpha with parameter_source 2, and where the network cannot be used"
@@ -131,14 +133,25 @@ def _starts(n: int) -> Iterator[Variable]:
         yield Variable(f"v_start[{i}]", f"Initial speed of vehicle {i}, at most v_max", "m/s", speed, 0, nominal=30)
 
 
+def _joining(n: int) -> Iterator[Variable]:
+    yield Variable("insert", "A vehicle joins where this rises above 0.5", "1", 0.0, 0, 1, input=True)
+    text = "Place of the vehicle that the new one joins behind, 1 for the leader; 0: it joins ahead of the leader"
+    yield Variable("insert_behind", text, "1", float(n), 0, n, input=True)
+    text = "Gap from the new vehicle to the one it joins behind or, where it becomes the leader, to the old leader"
+    yield Variable("insert_gap", text, "m", 20.0, 0, nominal=10, input=True)
+    yield Variable("insert_speed", "Speed of the new vehicle, at most v_max", "m/s", 30.0, 0, nominal=30, input=True)
+    yield Variable("remove", "A vehicle leaves where this rises above 0.5", "1", 0.0, 0, 1, input=True)
+    yield Variable("remove_place", "Place of the vehicle that leaves, 1 for the leader", "1", 1.0, 1, n, input=True)
+
+
 def _motion(n: int) -> Iterator[Variable]:
     gaps = [f"s_start[{i}]" for i in range(2, n + 1)]
     for i in range(1, n + 1):
-        known = ("x_start", *gaps[: i - 1])
+        known = ("n_start", "x_start", *gaps[: i - 1])
         text = f"Position of vehicle {i}"
         yield Variable(f"x[{i}]", text, "m", nominal=100, continuous=True, initial_dependencies=known)
     for i in range(1, n + 1):
-        known = (f"v_start[{i}]",)
+        known = ("n_start", f"v_start[{i}]")
         text = f"Speed of vehicle {i}"
         yield Variable(f"v[{i}]", text, "m/s", nominal=30, continuous=True, initial_dependencies=known)
     for i in range(1, n + 1):
@@ -146,7 +159,7 @@ def _motion(n: int) -> Iterator[Variable]:
         yield Variable(f"a[{i}]", text, "m/s2", nominal=1)
     for i in range(2, n + 1):
         text = f"Gap between vehicle {i - 1} and vehicle {i}"
-        known = (f"s_start[{i}]",)
+        known = ("n_start", f"s_start[{i}]")
         yield Variable(f"s[{i}]", text, "m", nominal=10, continuous=True, initial_dependencies=known)
 
 
@@ -154,7 +167,7 @@ def _reports() -> Iterator[Variable]:
     yield Variable("alpha", "Scale of the potential in use; 1 with V_old", nominal=1e-3)
     yield Variable("r", "Where the hill of the potential in use begins; 0 with V_old, which has none", "m", nominal=10)
     yield Variable("p", "Exponent of the hill in use; 0 with V_old, which has none", nominal=5)
-    text = "1 if the initial state lies in the training domain of the network in this FMU, else 0"
+    text = "1 if gaps and speeds lay in a network's training domain when alpha, r, p were chosen, else 0"
     yield Variable("network_in_domain", text, minimum=0, maximum=1)
     text = "Lemma 1 at the last sampling instant: T is certified if it is below this"
     yield Variable("T_max", text, "s", nominal=0.1)
@@ -169,17 +182,44 @@ def _reports() -> Iterator[Variable]:
     yield Variable("J_gap", text, nominal=10, continuous=True, minimum=0, initial_dependencies=nothing)
 
 
-def platoon_table(vehicles: int, default_source: int = 1) -> tuple[Variable, ...]:
-    """The variables of `PspPlatoon`; the value reference of each is its place in the table, parameters first.
+def _members(n: int) -> Iterator[Variable]:
+    nothing: tuple[str, ...] = ()
+    start = ("n_start",)
+    text = "How many vehicles there are; what belongs to the places behind them is 0"
+    yield Variable("n_active", text, minimum=1, maximum=n, initial_dependencies=start)
+    for i in range(1, n + 1):
+        text = f"Number of the vehicle at place {i}: 1, 2, ... at the start, then in the order of joining; 0: none"
+        yield Variable(f"vehicle[{i}]", text, minimum=0, initial_dependencies=start)
+    text = "1 if the last change that was asked for was made, or none was, else 0"
+    yield Variable("change_ok", text, minimum=0, maximum=1, initial_dependencies=nothing)
+    text = "A gap at which the vehicle that was refused last could have joined, 0 if there was none"
+    yield Variable("gap_offered", text, "m", minimum=0, nominal=10, initial_dependencies=nothing)
+    yield Variable("changes", "Vehicles that joined or left so far", minimum=0, initial_dependencies=nothing)
+    yield Variable("refusals", "Changes refused so far", minimum=0, initial_dependencies=nothing)
+
+
+def joining_names(vehicles: int) -> set[str]:
+    """Names of the variables that only vehicles that join or leave need.
 
     Parameters
     ----------
-    vehicles : n, at least 2
-    default_source : start value of parameter_source; 2 where there is no network for n vehicles
+    vehicles : most vehicles N
+    """
+    return {"n_start", *(row.name for rows in (_joining(vehicles), _members(vehicles)) for row in rows)}
+
+
+def platoon_table(vehicles: int, default_source: int = 1) -> tuple[Variable, ...]:
+    """The variables of `PspPlatoon`: parameters, inputs, outputs; the value reference of each is its place in the table.
+
+    Parameters
+    ----------
+    vehicles : most vehicles N, at least 2
+    default_source : start value of parameter_source; 2 where there is no network for N vehicles
 
     Returns
     -------
-    tuple of Variable (names and units: the design; rollout_*, max_short_periods: ours)
+    tuple of Variable (names and units: the design; rollout_*, max_short_periods, joining and leaving: ours)
     """
-    groups = (_constants(), _choices(default_source), _starts(vehicles), _motion(vehicles), _reports())
+    parameters = (_constants(), _choices(vehicles, default_source), _starts(vehicles))
+    groups = (*parameters, _joining(vehicles), _motion(vehicles), _reports(), _members(vehicles))
     return tuple(variable for group in groups for variable in group)

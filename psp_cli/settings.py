@@ -22,7 +22,9 @@ def parameter_units(vehicles: int) -> dict[str, str]:
     """
     from fmu_src.variables import platoon_table
 
-    return {row.name: row.unit for row in platoon_table(vehicles) if row.causality == "parameter"}
+    fixed = {"n_start"}  # a command knows how many vehicles there are
+    rows = platoon_table(vehicles)
+    return {row.name: row.unit for row in rows if row.causality == "parameter" and row.name not in fixed}
 
 
 def checked(given: Mapping[str, str | float], vehicles: int) -> dict[str, float]:

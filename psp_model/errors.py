@@ -83,10 +83,10 @@ SENTENCES = {
     "place": "%s = %.10g must be a whole number from %d to %d: name a vehicle of the platoon",
     "last": "the last vehicle cannot leave: a platoon has at least 1",
     "insert_speed": "the joining vehicle's speed %.10g m/s must lie in [0, %.10g] m/s: let it join at another speed",
-    "insert_gap": "a vehicle cannot join %.10g m behind vehicle %d at %.10g m/s, where T = %.10g s would not be below "
-    "T_max (Lemma 1): a gap of %.10g m would do",
-    "insert_none": "a vehicle cannot join %.10g m behind vehicle %d at %.10g m/s, where T = %.10g s would not be below "
-    "T_max (Lemma 1): no gap would do there now, let it join at another place, speed or time",
+    "insert_gap": "a vehicle cannot join at place %d with a gap of %.10g m at %.10g m/s, where T = %.10g s would not "
+    "be below T_max (Lemma 1): a gap of %.10g m would do",
+    "insert_none": "a vehicle cannot join at place %d with a gap of %.10g m at %.10g m/s, where T = %.10g s would not "
+    "be below T_max (Lemma 1): no gap would do there now, let it join at another place, speed or time",
     "wave": "a wave from %.10g to %.10g m/s with a period of %.10g s is none: choose 0 <= v_low <= v_high and "
     "a period above 0 s",
     "short_periods": "more than max_short_periods = %d short sampling periods in one communication step, at "

@@ -11,7 +11,6 @@ import numpy as np
 from .errors import ModelError
 from .parameters import PotentialParameters
 from .platoon import Lemma1Policy, SampledPlatoon, Vector
-from .state import PlatoonState
 
 _PROBES = 100  # gaps that are tried for one that would do
 _TRUSTED = 5  # of these, how many are checked with the potential chosen for them
@@ -39,14 +38,14 @@ class OpenPlatoon:
     ----------
     platoon : the vehicles there are, with their clock
     capacity : most vehicles N
-    choose : the potential for a new initial state; not asked for a lone vehicle
+    choose : the potential for new initial gaps (n-1,) and speeds (n,), n >= 1
     vehicles : number of each vehicle, leader first; the first ones are 1 to n, later ones count on
     joined : vehicles there have been so far
     """
 
     platoon: SampledPlatoon
     capacity: int
-    choose: Callable[[PlatoonState], PotentialParameters]
+    choose: Callable[[Vector, Vector], PotentialParameters]
     vehicles: tuple[int, ...] = ()
     joined: int = 0
 
@@ -99,14 +98,17 @@ class OpenPlatoon:
         None, or why it may not; the platoon is then as it was
         """
         try:
-            gone = self._place("remove", place, 1) - 1
+            gone = self._place("remove_place", place, 1) - 1
             if len(self.vehicles) == 1:
                 raise ModelError("last")
-            seen = self.platoon.observe(period, fraction)
-            x, v = np.delete(seen.x, gone), np.delete(seen.v, gone)
-            s = seen.s[1:] if gone == 0 else seen.s[:-1] if gone == len(self.vehicles) - 1 else _merged(seen.s, gone)
-            trial = copy(self.platoon)
-            trial.take_over(period, fraction, float(x[0]), s, v, self._shape(s, v))
+        except ModelError as error:
+            return Refusal(str(error))
+        seen = self.platoon.observe(period, fraction)
+        x, v = np.delete(seen.x, gone), np.delete(seen.v, gone)
+        s = seen.s[1:] if gone == 0 else seen.s[:-1] if gone == len(self.vehicles) - 1 else _merged(seen.s, gone)
+        trial, shape = copy(self.platoon), self.choose(s, v)
+        try:
+            trial.take_over(period, fraction, float(x[0]), s, v, shape)
         except ModelError as error:
             return Refusal(str(error))
         self.platoon = trial
@@ -117,11 +119,6 @@ class OpenPlatoon:
         if not (first <= place <= len(self.vehicles) and place == int(place)):
             raise ModelError("place", name, place, first, len(self.vehicles))
         return int(place)
-
-    def _shape(self, s: Vector, v: Vector) -> PotentialParameters:
-        if v.size == 1:
-            return self.platoon.shape
-        return self.choose(PlatoonState(s, v, self.platoon.start.constants))
 
     def _with(
         self, place: int, gap: float, speed: float, period: int, fraction: float
@@ -146,7 +143,7 @@ class OpenPlatoon:
         trial = copy(self.platoon)
         trial.warn = lambda sentence: None
         trial.sampling = replace(trial.sampling, policy=Lemma1Policy.SHORTEN)  # looks, and never raises
-        trial.take_over(period, fraction, x, s, v, self._shape(s, v) if anew else trial.shape)
+        trial.take_over(period, fraction, x, s, v, self.choose(s, v) if anew else trial.shape)
         if not trial.now.T_max > trial.sampling.T:
             return None
         trial.warn, trial.sampling = self.platoon.warn, self.platoon.sampling
@@ -168,8 +165,8 @@ class OpenPlatoon:
                 break
         for probe in found:
             if self._certified(place, probe, speed, period, fraction, True) is not None:
-                return Refusal(str(ModelError("insert_gap", gap, place, speed, T, probe)), probe)
-        return Refusal(str(ModelError("insert_none", gap, place, speed, T)))
+                return Refusal(str(ModelError("insert_gap", place + 1, gap, speed, T, probe)), probe)
+        return Refusal(str(ModelError("insert_none", place + 1, gap, speed, T)))
 
 
 def _merged(s: Vector, gone: int) -> Vector:

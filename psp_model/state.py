@@ -14,7 +14,7 @@ from .parameters import PlatoonParameters
 
 @dataclass(frozen=True, eq=False)
 class PlatoonState:
-    """Gaps and speeds of n vehicles inside the state space Omega (paper, section II), and where the leader is.
+    """Gaps and speeds of n >= 1 vehicles inside the state space Omega (paper, section II), and where the leader is.
 
     Attributes
     ----------
@@ -39,8 +39,6 @@ class PlatoonState:
         object.__setattr__(self, "v", v)
         if s.ndim != 1 or v.ndim != 1 or s.size != v.size - 1:
             raise ModelError("shape", s.size, v.size)
-        if v.size < 2:
-            raise ModelError("vehicles", v.size)
         if not np.isfinite(self.x_leader):
             raise ModelError("finite", "x_start", self.x_leader, "m")
         for i, gap in enumerate(s, start=2):

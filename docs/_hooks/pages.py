@@ -51,12 +51,10 @@ def controller_variables() -> str:
 
 
 def joining_variables() -> str:
-    """What `PspOpenPlatoon` has beyond `PspPlatoon`."""
-    from fmu_src.open_variables import open_table
-    from fmu_src.variables import platoon_table
+    """What `PspPlatoon` has for vehicles that join and leave."""
+    from fmu_src.variables import joining_names, platoon_table
 
-    known = {row.name for row in platoon_table(_VEHICLES)}
-    return _rows([row for row in open_table(_VEHICLES) if row.name not in known])
+    return _rows([row for row in platoon_table(_VEHICLES) if row.name in joining_names(_VEHICLES)])
 
 
 def _rows(table: Any) -> str:

@@ -34,6 +34,7 @@ _OWN_SOURCES = {  # of each component, by the name of the header that says what 
         "platoon_clock.c",
         "platoon_derivatives.c",
         "platoon_lemma1.c",
+        "platoon_membership.c",
         "platoon_start.c",
     ),
     "controller_model.h": ("controller.h", "controller_backend.c", "controller_sample.c", "controller_settings.c"),

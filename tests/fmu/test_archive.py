@@ -38,7 +38,8 @@ def test_every_variable_has_description_unit_and_typical_size(root):
     units = {unit.get("name") for unit in root.findall("UnitDefinitions/Unit")}
     assert all(unit.find("BaseUnit") is not None for unit in root.findall("UnitDefinitions/Unit"))
     for variable in variables:
-        assert variable.get("description") and variable.get("variability") and variable.get("initial")
+        assert variable.get("description") and variable.get("variability")
+        assert bool(variable.get("initial")) == (variable.get("causality") != "input")
         assert {"output": "Real"}.get(variable.get("causality"), variable[0].tag) == variable[0].tag
         if variable[0].tag == "Real":
             assert variable[0].get("unit") in units
@@ -50,8 +51,9 @@ def test_dependencies_are_those_of_the_model(root):
         names[int(unknown.get("index")) - 1]: {names[int(i) - 1] for i in unknown.get("dependencies").split()}
         for unknown in root.findall("ModelStructure/InitialUnknowns/Unknown")
     }
-    assert unknowns["v[3]"] == {"v_start[3]"} and unknowns["s[2]"] == {"s_start[2]"} and unknowns["J"] == set()
-    assert unknowns["x[3]"] == {"x_start", "s_start[2]", "s_start[3]"}
+    assert unknowns["v[3]"] == {"n_start", "v_start[3]"} and unknowns["s[2]"] == {"n_start", "s_start[2]"}
+    assert unknowns["J"] == set() and unknowns["n_active"] == {"n_start"}
+    assert unknowns["x[3]"] == {"n_start", "x_start", "s_start[2]", "s_start[3]"}
     assert {"T", "alpha_fixed", "v_start[1]"} <= unknowns["alpha"]
     outputs = [names[int(unknown.get("index")) - 1] for unknown in root.findall("ModelStructure/Outputs/Unknown")]
     assert outputs == [row.name for row in platoon_table(7) if row.causality == "output"]

@@ -30,7 +30,7 @@ def open_platoon(seed: int, n: int, old: bool = False, sampling: Sampling = SHOR
     s, v = StartDomain().draw(np.random.default_rng(seed), n, 1)
     shape = V_OLD if old else BEST_FIXED
     platoon = SampledPlatoon(PlatoonState(s[:, 0], v[:, 0], C), shape, ObjectiveWeights(), sampling)
-    return OpenPlatoon(platoon, CAPACITY, lambda start: shape)
+    return OpenPlatoon(platoon, CAPACITY, lambda s, v: shape)
 
 
 def step(road: OpenPlatoon, rng: np.random.Generator, time: list[float]) -> None:
@@ -133,8 +133,8 @@ def test_no_gap_would_do_where_there_is_no_room():
         (lambda road: road.insert(4, 10.0, 36.0, 0, 0.0), "36 m/s"),
         (lambda road: road.insert(4, float("nan"), 30.0, 0, 0.0), "would do"),
         (lambda road: road.insert(4, 10.0, float("nan"), 0, 0.0), "nan m/s"),
-        (lambda road: road.remove(0, 0, 0.0), "remove = 0"),
-        (lambda road: road.remove(float("nan"), 0, 0.0), "remove = nan"),
+        (lambda road: road.remove(0, 0, 0.0), "remove_place = 0"),
+        (lambda road: road.remove(float("nan"), 0, 0.0), "remove_place = nan"),
     ],
 )
 def test_a_senseless_change_is_refused_in_one_sentence(change, part):

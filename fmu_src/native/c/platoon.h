@@ -20,9 +20,11 @@ enum { POLICY_ERROR = 1, POLICY_WARN = 2, POLICY_SHORTEN = 3 };
 /* platoon_start.c: constants, weights, sampling and start from the parameters, checked; the potential is not chosen. */
 bool platoon_read(Platoon *platoon, Front *front, const double *values, Request *request);
 
-/* platoon_clock.c: the first instant; all instants up to a time. */
-bool platoon_start(Platoon *platoon, Front *front);
+/* platoon_clock.c: feedback and Lemma 1 for the vehicles in `now`, failures logged with `status`; all instants up to a
+ * time; the platoon at a time, which is `now` or put into `scratch`. */
+bool platoon_sample(Platoon *platoon, Front *front, fmi2Status status);
 bool platoon_advance(Platoon *platoon, Front *front, int64_t period, double fraction);
+const Instant *platoon_observe(const Platoon *platoon, int64_t period, double fraction, Instant *scratch);
 
 /* platoon_lemma1.c: says which vehicle keeps T from being certified. */
 void platoon_log_violation(const Platoon *platoon, Front *front, fmi2Status status);

@@ -6,7 +6,7 @@
 static double smaller(double a, double b) { return b < a ? b : a; }
 
 /* With policy 2 a run may leave the model's domain; the other policies keep every gap above L. */
-static bool gaps_are_open(const Platoon *platoon, Front *front)
+static bool gaps_are_open(const Platoon *platoon, Front *front, fmi2Status status)
 {
     const Instant *now = &platoon->now;
     int least = 0;
@@ -15,17 +15,16 @@ static bool gaps_are_open(const Platoon *platoon, Front *front)
         if (now->s[i] < now->s[least]) least = i;
     }
     if (now->s[least] > platoon->constants.L) return true;
-    front_log(front, fmi2Error, PSP_SENTENCE_left_gap, least + 2, now->s[least], platoon->constants.L,
+    front_log(front, status, PSP_SENTENCE_left_gap, least + 2, now->s[least], platoon->constants.L,
               ((double)now->period + now->fraction) * platoon->T);
     return false;
 }
 
-/* Feedback and Lemma 1 at the instant `now`. */
-static bool sample(Platoon *platoon, Front *front)
+bool platoon_sample(Platoon *platoon, Front *front, fmi2Status status)
 {
     Instant *now = &platoon->now;
     const double T = platoon->T, last_T_max = now->T_max;
-    if (!gaps_are_open(platoon, front)) return false;
+    if (!gaps_are_open(platoon, front, status)) return false;
     now->T_max = feedback(&platoon->constants, &platoon->shape, (int)now->n, now->s, now->v, now->a);
     const bool certified = now->T_max > T;
     double span = 1.0;
@@ -38,11 +37,9 @@ static bool sample(Platoon *platoon, Front *front)
     now->violations += !certified;
     if (certified || platoon->policy == POLICY_SHORTEN) return true;
     if (platoon->policy == POLICY_ERROR || begins)
-        platoon_log_violation(platoon, front, platoon->policy == POLICY_ERROR ? fmi2Error : fmi2Warning);
+        platoon_log_violation(platoon, front, platoon->policy == POLICY_ERROR ? status : fmi2Warning);
     return platoon->policy != POLICY_ERROR;
 }
-
-bool platoon_start(Platoon *platoon, Front *front) { return sample(platoon, front); }
 
 static bool too_many_short_periods(const Platoon *platoon, Front *front, int64_t short_periods)
 {
@@ -65,6 +62,16 @@ bool platoon_advance(Platoon *platoon, Front *front, int64_t period, double frac
         pass_time(&platoon->weights, now, now->span * platoon->T);
         now->period = next_period;
         now->fraction = next_fraction;
-        if (!sample(platoon, front)) return false;
+        if (!platoon_sample(platoon, front, fmi2Error)) return false;
     }
+}
+
+const Instant *platoon_observe(const Platoon *platoon, int64_t period, double fraction, Instant *scratch)
+{
+    const Instant *now = &platoon->now;
+    const double tau = ((double)(period - now->period) + (fraction - now->fraction)) * platoon->T;
+    if (tau == 0.0) return now;
+    *scratch = *now;
+    pass_time(&platoon->weights, scratch, tau);
+    return scratch;
 }

@@ -27,7 +27,8 @@ static void motion_change(const Platoon *platoon, const double *seed, double *ch
 {
     const Constants c = platoon->constants;
     change[PSP_x] = seed[PSP_x_start];
-    for (int i = 0; i < PSP_N; i++) {
+    const int n = (int)platoon->now.n;
+    for (int i = 0; i < n; i++) {
         const int gap = i; /* the gap behind vehicle i + 1 */
         double u = 0.0, du = 0.0;
         if (i > 0) {
@@ -36,7 +37,7 @@ static void motion_change(const Platoon *platoon, const double *seed, double *ch
             u += slope(platoon, gap - 1);
             du += slope_change(platoon, seed, gap - 1);
         }
-        if (i < PSP_N - 1) {
+        if (i < n - 1) {
             u -= slope(platoon, gap);
             du -= slope_change(platoon, seed, gap);
         }
@@ -52,11 +53,11 @@ static double bound_change(const Platoon *platoon, const double *seed, const dou
 {
     const Instant *now = &platoon->now;
     const double L = platoon->constants.L, v_max = platoon->constants.v_max;
-    for (int i = 0; i < PSP_N - 1; i++) {
+    for (int i = 0; i < now->n - 1; i++) {
         if (psp_gap_bound(now->s[i], L, v_max) == now->T_max)
             return psp_gap_bound_tangent(now->s[i], L, v_max, seed[PSP_s_start + i], seed[PSP_L], seed[PSP_v_max]);
     }
-    for (int i = 0; i < PSP_N; i++) {
+    for (int i = 0; i < now->n && now->T_max < LONGEST; i++) {
         if (psp_speed_bound(now->v[i], now->a[i], v_max) == now->T_max)
             return psp_speed_bound_tangent(now->v[i], now->a[i], v_max, seed[PSP_v_start + i], change[PSP_a + i],
                                            seed[PSP_v_max]);
@@ -88,12 +89,14 @@ static bool derivable(Backend *backend, const fmi2ValueReference unknowns[], siz
 {
     const double *values = backend->model.values;
     const bool chosen = values[PSP_potential] == 2.0 && values[PSP_parameter_source] != 2.0;
+    bool initial = false; /* inputs act when the next step begins: no output has a derivative by them */
     for (size_t i = 0; i < known_count; i++) {
-        if (knowns[i] >= PSP_FIRST_INPUT || native_is_integer(knowns[i])) {
+        if (knowns[i] >= PSP_FIRST_OUTPUT || native_is_integer(knowns[i])) {
             front_fail(backend->front, "fmi2GetDirectionalDerivative knows no derivative with respect to value reference "
-                                       "%d: name Real parameters", (int)knowns[i]);
+                                       "%d: name Real parameters or inputs", (int)knowns[i]);
             return false;
         }
+        initial = initial || knowns[i] < PSP_FIRST_INPUT;
     }
     for (size_t i = 0; i < unknown_count; i++) {
         if (unknowns[i] < PSP_FIRST_OUTPUT || unknowns[i] >= PSP_COUNT) {
@@ -101,13 +104,16 @@ static bool derivable(Backend *backend, const fmi2ValueReference unknowns[], siz
                                        "outputs", (int)unknowns[i]);
             return false;
         }
-        if (chosen && known_count > 0 && depends_on_choice(unknowns[i])) {
+        if (chosen && initial && depends_on_choice(unknowns[i])) {
             front_fail(backend->front, "fmi2GetDirectionalDerivative has no derivative of %s while alpha, r, p come from "
                                        "the network: set parameter_source to 2", PSP_VARIABLE_NAMES[unknowns[i]]);
             return false;
         }
     }
-    return true;
+    if (initial && !backend->model.initialising)
+        front_fail(backend->front, "fmi2GetDirectionalDerivative with respect to initial values is for initialization "
+                                   "mode: afterwards outputs depend on inputs only, by which they have no derivative");
+    return !initial || backend->model.initialising;
 }
 
 fmi2Status backend_directional_derivative(Backend *backend, const fmi2ValueReference unknowns[], size_t unknown_count,
@@ -116,14 +122,11 @@ fmi2Status backend_directional_derivative(Backend *backend, const fmi2ValueRefer
 {
     Model *model = &backend->model;
     if (!derivable(backend, unknowns, unknown_count, knowns, known_count)) return fmi2Error;
-    if (known_count > 0 && !model->initialising)
-        return front_fail(backend->front, "fmi2GetDirectionalDerivative with respect to initial values is for "
-                                          "initialization mode: this FMU has no inputs to derive by afterwards");
     if (model->initialising && !native_make_ready(backend)) return fmi2Error;
     double *work = calloc(2 * PSP_COUNT, sizeof *work); /* a seed and a change for every variable */
     if (!work) return front_fail(backend->front, "there is no memory left for derivatives: free some instances");
     for (size_t i = 0; i < known_count; i++) work[knowns[i]] += seed[i];
-    if (known_count > 0) platoon_tangent(&model->part.platoon, work, work + PSP_COUNT);
+    if (known_count > 0 && model->initialising) platoon_tangent(&model->part.platoon, work, work + PSP_COUNT);
     for (size_t i = 0; i < unknown_count; i++) sensitivity[i] = work[PSP_COUNT + unknowns[i]];
     free(work);
     return fmi2OK;

@@ -4,13 +4,29 @@
 
 #include "platoon.h"
 
+/* Which vehicles there are, and what became of the changes asked for. */
+typedef struct {
+    double change_ok, gap_offered; /* [1], [m] */
+    double insert, remove;         /* the triggers when the last step began */
+    int64_t joined, changes, refusals;
+    double vehicles[PSP_N]; /* numbers, leader first; 0 behind the last */
+} Members;
+
 typedef struct {
     double in_domain;
     int64_t period; /* the communication point as whole sampling periods and a fraction */
     double fraction;
+    Members members;
     Platoon platoon;
 } Part;
 
 typedef Instant Scratch; /* outputs between two sampling instants: no room on a stack for many vehicles */
+
+#define LONGEST 1e9 /* [s] T_max of a lone vehicle at rest with v_star is infinite, which importers do not like */
+
+/* platoon_membership.c: the members at the start, and whether they lie in the network's domain; the changes whose
+ * triggers have risen, at the communication point: false on failure, which has been logged; a refusal is none. */
+void part_begin(Part *part, int n);
+bool part_make_changes(Part *part, Front *front, const double *values);
 
 #endif

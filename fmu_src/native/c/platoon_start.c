@@ -40,15 +40,18 @@ static bool check_start(Front *front, const Request *request, const Constants *c
 bool platoon_read(Platoon *platoon, Front *front, const double *values, Request *request)
 {
     memset(platoon, 0, sizeof *platoon);
-    request->n = PSP_N;
     request->x = values[PSP_x_start];
     request->s = values + PSP_s_start;
     request->v = values + PSP_v_start;
-    if (!read_constants(front, values, &platoon->constants) || !read_weights(front, values, &platoon->weights) ||
+    if (!read_choice(front, "n_start", values[PSP_n_start], 1, PSP_N, &request->n) ||
+        !read_constants(front, values, &platoon->constants) || !read_weights(front, values, &platoon->weights) ||
         !read_sampling(front, values, platoon) || !check_start(front, request, &platoon->constants) ||
         !read_request(front, values, request))
         return false;
-    REQUIRE(PSP_NETWORK || request->old || request->source == SOURCE_FIXED, PSP_SENTENCE_no_network, request->n);
+    if (!request->old && request->source != SOURCE_FIXED) { /* or a later change could find no potential at all */
+        REQUIRE(PSP_NETWORK, PSP_SENTENCE_no_network, request->n);
+        if (!require_feasible(front, &request->fixed, &platoon->constants)) return false;
+    }
     platoon->now.n = request->n;
     platoon->now.x = request->x;
     memcpy(platoon->now.s, request->s, (size_t)(request->n - 1) * sizeof *request->s);
