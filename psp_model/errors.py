@@ -4,6 +4,10 @@ Every sentence says value, unit, limit and remedy.  They are printf formats so t
 no Python, prints the same words: `fmu_src` copies this table into its C sources.
 """
 
+import re
+from itertools import combinations
+from typing import Any
+
 SENTENCES = {
     "finite": "%s must be a finite number, not %.10g: give it a value in %s",
     "L": "L = %.10g m must be positive: it is the smallest allowable gap, give it a length above 0 m",
@@ -95,9 +99,22 @@ SENTENCES = {
 }
 
 
+def _filled(sentence: str, values: tuple[Any, ...]) -> str:
+    """A sentence with its values; where numbers that differ would look alike ("35 is above 35"), all with 17 digits.
+
+    fmu_src/c/front_log.c does the same.
+    """
+    conversions = re.findall(r"%(?:\.10g|d|s|%)", sentence)
+    places = zip((one for one in conversions if one != "%%"), values, strict=True)
+    numbers = [float(value) for conversion, value in places if conversion == "%.10g"]
+    if any((a < b or a > b) and f"{a:.10g}" == f"{b:.10g}" for a, b in combinations(numbers, 2)):
+        sentence = sentence.replace("%.10g", "%.17g")
+    return sentence % values
+
+
 class ModelError(ValueError):
     """A value outside the model's domain; the message is one sentence with value, unit, limit and remedy."""
 
     def __init__(self, key: str, *values: object):
-        super().__init__(SENTENCES[key] % values)
+        super().__init__(_filled(SENTENCES[key], values))
         self.key = key

@@ -15,6 +15,10 @@ void front_log(Front *front, fmi2Status status, const char *format, ...)
 #endif
     ;
 
+/* vsnprintf for sentences: where two numbers that differ would look alike ("35 is above 35"), all are printed with 17
+ * digits instead of 10, as psp_model/errors.py does. */
+int front_print(char *text, size_t size, const char *format, va_list arguments);
+
 /* The GUID that modelDescription.xml carries, or "" if it is not known; lives as long as the buffer.
  * `resources` may be NULL. */
 const char *backend_guid(const char *resources, char *buffer, size_t size);

@@ -5,6 +5,7 @@
 #ifndef PSP_FRONT_H
 #define PSP_FRONT_H
 
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>

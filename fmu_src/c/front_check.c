@@ -118,7 +118,7 @@ fmi2Status front_fail(Front *front, const char *format, ...)
     char text[1024];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    front_print(text, sizeof text, format, arguments);
     va_end(arguments);
     front_log(front, fmi2Error, "%s", text);
     return fmi2Error;

@@ -38,6 +38,8 @@ BAD_VALUES = [
     ({"s_start[2]": -3.0}, ["gap s[2] = -3 m"]),
     ({"v_start[1]": -0.001}, ["speed v[1] = -0.001 m/s", "[0, 35] m/s"]),
     ({"v_start[6]": 35.001}, ["speed v[6] = 35.001 m/s", "[0, 35] m/s"]),
+    ({"s_start[4]": 5.0 - 1e-12}, ["gap s[4] = 4.999999999998", "L = 5 m"]),
+    ({"v_start[6]": 35.0 + 1e-12}, ["speed v[6] = 35.00000000000100", "[0, 35] m/s"]),
     ({"potential": 0}, ["potential = 0", "1 to 2"]),
     ({"parameter_source": 4}, ["parameter_source = 4", "1 to 3"]),
     ({"lemma1_policy": 0}, ["lemma1_policy = 0", "1 to 3"]),

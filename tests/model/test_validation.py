@@ -186,6 +186,20 @@ def test_frozen_values_cannot_be_changed_afterwards() -> None:
     assert start.s[0] == GAPS[0]
 
 
+@pytest.mark.parametrize("excess", [1e-10, 1e-12, float(np.spacing(35.0))])
+def test_numbers_that_differ_never_look_alike(excess: float) -> None:
+    """Without care the sentence would say that 35 m/s does not lie in [0, 35] m/s."""
+    sentence = str(refused(lambda: PlatoonState(np.array(GAPS), np.array([30.0, 35.0 + excess, 30.0]))))
+    shown = re.search(r"v\[2\] = (\S+) m/s must lie in \[0, (\S+)\]", sentence)
+    assert shown and float(shown[1]) == 35.0 + excess and float(shown[2]) == 35.0, sentence
+
+
+def test_numbers_are_rounded_where_that_hides_nothing() -> None:
+    sentence = str(refused(lambda: PlatoonState(np.array([4.1, 9.0]), np.array(SPEEDS))))
+    assert sentence.startswith("gap s[2] = 4.1 m must exceed L = 5 m")
+    assert str(ModelError("finite", "T", NAN, "s")) == "T must be a finite number, not nan: give it a value in s"
+
+
 ROOT = Path(__file__).parents[2]
 FORMAT = re.compile(r"%(?:\.10g|d|s|%)")
 

@@ -16,7 +16,7 @@ static bool refuse(char *text, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, LONGEST_SENTENCE, format, arguments);
+    front_print(text, LONGEST_SENTENCE, format, arguments);
     va_end(arguments);
     return false;
 }
