@@ -63,8 +63,8 @@ def violation(t: float, T: float, s: Any, v: Any, a: Any, constants: PlatoonPara
     """
     of_gaps, of_speeds = period_bounds(s, v, a, constants)
     j = int(np.argmin(of_speeds))
-    i = int(np.argmin(of_gaps)) if of_gaps.size else -1  # a lone vehicle has no gap
-    if i >= 0 and of_gaps[i] <= of_speeds[j]:
+    if of_gaps.size and of_gaps.min() <= of_speeds[j]:  # a lone vehicle has no gap
+        i = int(np.argmin(of_gaps))
         bound = of_gaps[i]
         return ModelError("lemma1_gap", T, bound, t, i + 2, i + 2, s[i], constants.L, constants.v_max, bound)
     key, limit = ("lemma1_fast", constants.v_max) if a[j] > 0 else ("lemma1_slow", 0.0)

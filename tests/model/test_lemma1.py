@@ -34,6 +34,9 @@ BOUNDS = {
     "leader too fast": ([9.0, 9.0], [34.0, 30.0, 30.0], [40.0, -1.0, 2.0], 1.0 / 40),
     "last too fast": ([9.0, 9.0], [34.0, 30.0, 34.9], [4.0, -1.0, 2.0], 0.1 / 2),
     "too slow": ([9.0, 9.0], [34.0, 0.3, 30.0], [1.0, -6.0, 2.0], 0.3 / 6),
+    "gently too fast": ([25.0, 25.0], [30.0, 34.9, 30.0], [0.0, 0.5, 0.0], 0.1 / 0.5),
+    "alone too fast": ([], [34.0], [40.0], 1.0 / 40),
+    "gap and speed at once": ([12.0], [30.0, 34.0], [0.0, 5.0], 0.2),
 }
 
 
@@ -43,7 +46,7 @@ def test_T_max_is_the_smallest_bound(name: str) -> None:
     assert largest_period(np.array(s), np.array(v), np.array(a), CONSTANTS) == pytest.approx(bound, rel=1e-13)
 
 
-@pytest.mark.parametrize("name", ["leader too fast", "last too fast", "too slow"])
+@pytest.mark.parametrize("name", ["leader too fast", "last too fast", "too slow", "gently too fast"])
 def test_speed_bounds_are_exact(name: str) -> None:
     """A period a millionth shorter keeps all speeds strictly inside, a millionth longer does not."""
     s, v, a, bound = BOUNDS[name]
@@ -139,7 +142,10 @@ def test_policy_1_refuses_during_the_run_too_and_stays_at_that_instant() -> None
         ("gap", "lemma1_gap", ["vehicle 2", "s[2] = 5.7 m", "L = 5 m", "35 m/s", "T < 0.02 s"]),
         ("last gap", "lemma1_gap", ["vehicle 3", "s[3] = 5.35 m", "T < 0.01 s"]),
         ("leader too fast", "lemma1_fast", ["vehicle 1", "v[1] = 34 m/s", "a[1] = 40 m/s2", "35 m/s", "T < 0.025 s"]),
-        ("too slow", "lemma1_slow", ["vehicle 2", "v[2] = 0.3 m/s", "a[2] = -6 m/s2", "T < 0.05 s"]),
+        ("too slow", "lemma1_slow", ["vehicle 2", "v[2] = 0.3 m/s", "a[2] = -6 m/s2", "a stop, 0 m/s", "T < 0.05 s"]),
+        ("gently too fast", "lemma1_fast", ["vehicle 2", "v[2] = 34.9 m/s", "a[2] = 0.5 m/s2", "T < 0.2 s"]),
+        ("alone too fast", "lemma1_fast", ["vehicle 1", "v[1] = 34 m/s", "a[1] = 40 m/s2", "T < 0.025 s"]),
+        ("gap and speed at once", "lemma1_gap", ["vehicle 2", "s[2] = 12 m", "T < 0.2 s"]),
     ],
 )
 def test_the_violation_names_vehicle_values_bound_and_remedy(name: str, key: str, words: list[str]) -> None:

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 import reference
 from psp_model import BEST_FIXED, V_OLD, PotentialParameters, potential, potential_slope
+from psp_model.potential import on_hill
 from strategies import CONSTANTS, any_triple, feasible_triple
 
 SHAPES = [V_OLD, BEST_FIXED, PotentialParameters(1e-2, 9.0, 3.0), PotentialParameters(1e-1, 17.0, 6.5)]
@@ -97,6 +98,15 @@ def test_the_hill_stays_inside_r_to_r_plus_3(shape: PotentialParameters) -> None
     outside = (grid <= shape.r) | (grid >= shape.r + 3.0)
     assert (difference[outside] == 0).all() and (slopes[outside] == 0).all()
     assert shape is V_OLD or (difference[~outside] > 0).all()
+
+
+@every_shape
+def test_on_hill_holds_strictly_between_r_and_r_plus_3(shape: PotentialParameters) -> None:
+    r = shape.r
+    inside = [np.nextafter(r + 1e-9, 99.0), r + 1e-3, r + 1.5, r + 3.0 - 1e-3]
+    outside = [r - 5.0, r - 1e-3, r, r + 3.0, r + 3.0 + 1e-3, r + 9.0]
+    assert on_hill(np.array(inside), shape).all()
+    assert not on_hill(np.array(outside), shape).any()
 
 
 def test_V_old_decreases_strictly_up_to_lambda() -> None:
