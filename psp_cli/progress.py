@@ -29,3 +29,24 @@ def chunks_done(title: str, size: int = 1) -> Iterator[Callable[[int, int], None
     with Progress(*columns, console=Console(stderr=True)) as progress:
         task = progress.add_task(title, total=None)
         yield lambda done, total: progress.update(task, completed=done * size, total=total * size)
+
+
+@contextmanager
+def steps_done(title: str, total: int) -> Iterator[Callable[[], None]]:
+    """A bar on stderr for work that reports each step by a call.
+
+    Parameters
+    ----------
+    title : what is being done
+    total : how many steps
+    """
+    done = 0
+    with chunks_done(title) as report:
+        report(done, total)
+
+        def step() -> None:
+            nonlocal done
+            done += 1
+            report(done, total)
+
+        yield step

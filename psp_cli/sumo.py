@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from .bad_input import BadInput
 
-_STARTS = 5  # of a sweep
+if TYPE_CHECKING:
+    from psp_model.leader import Profile
+    from psp_traffic.results import Results
+
+_STARTS, _SWEEP_STARTS = 5, 20
 
 
 class Situation(StrEnum):
@@ -18,19 +23,34 @@ class Situation(StrEnum):
 
     ALL = "all"
     HIGHWAY = "highway"
+    APART = "highway-apart"
     RAMP = "ramp"
     WAVE = "stop-and-go"
+    PROFILE = "profile"
 
 
 def sumo(
     situation: Annotated[Situation, typer.Argument(help="What happens on the road.")] = Situation.ALL,
     fmu: Annotated[Path | None, typer.Option(metavar="FILE.fmu", help="PspController.fmu; built if not given.")] = None,
-    seed: Annotated[int, typer.Option(help="Of the starts and of SUMO.", min=0)] = 1,
+    seed: Annotated[int, typer.Option(help="Of the first start; the others count on from it.", min=0)] = 1,
+    starts: Annotated[
+        int | None, typer.Option(help="How many. [default: 5, of a sweep 20]", min=1, show_default=False)
+    ] = None,
     duration: Annotated[float | None, typer.Option(help="Of every run [s].", min=15.0)] = None,
+    profile: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.csv", help="Time [s] and speed [m/s] of the leader. [default: WLTC, phase High]"),
+    ] = None,
     sweep: Annotated[
-        bool, typer.Option("--sweep", help="Sweep delay and lag on the highway instead, from 5 starts.")
+        bool, typer.Option("--sweep", help="Sweep delay and lag instead, on the highway and on the stop-and-go wave.")
     ] = False,
-    output: Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE.md", help="Write the tables.")] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE.json", help="Keep every run there, and go on from what is there."),
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Draw the gaps of the first start, or what the sweep gave.")
+    ] = None,
 ) -> None:
     """Compare V_new and V_old with SUMO's IDM, ACC and CACC: collisions, comfort, capacity, emissions."""
     from importlib.util import find_spec
@@ -40,15 +60,32 @@ def sumo(
         raise BadInput("psp sumo needs SUMO: pip install 'psp-platoon[sumo]'")
     if fmu is not None and not fmu.exists():
         raise BadInput(f"{fmu} does not exist: build it with build_fmu.py --component controller, or leave --fmu out")
+    names = _situations(situation, sweep)
+    if plot is not None and len(names) > 1:
+        raise BadInput("--plot draws one situation: name one of " + ", ".join(names))
+    seeds = range(seed, seed + (starts or (_SWEEP_STARTS if sweep else _STARTS)))
     with TemporaryDirectory() as folder:
-        text = _tables(situation, fmu or _built(Path(folder)), seed, duration, sweep)
-    typer.echo(text)
-    if output is not None:
-        from psp_model.offline.whole_file import write_whole
+        used = fmu or _built(Path(folder))
+        results = _results(output, used, profile, duration, sweep)
+        leader = _leader(profile)
+        if sweep:
+            _sweep(names, used, seeds, duration, results, plot)
+        else:
+            _compare(names, used, seeds, duration, leader, results)
+            if plot is not None:
+                _draw_gaps(names[0], used, seed, duration, leader, plot)
 
-        from .options import command_line
 
-        write_whole(output, f"`{command_line()}`\n\n{text}\n")
+def _situations(situation: Situation, sweep: bool) -> list[str]:
+    from psp_traffic.compare import SITUATIONS
+    from psp_traffic.sweep import DURATIONS
+
+    known = list(DURATIONS if sweep else SITUATIONS)
+    if situation is Situation.ALL:
+        return known
+    if situation not in known:
+        raise BadInput(f"{situation} is not swept: choose " + " or ".join(known))
+    return [situation.value]
 
 
 def _built(folder: Path) -> Path:
@@ -57,17 +94,70 @@ def _built(folder: Path) -> Path:
     return build_controller_fmu(7, folder)
 
 
-def _tables(situation: Situation, fmu: Path, seed: int, duration: float | None, sweep: bool) -> str:
-    from psp_traffic import compare
-    from psp_traffic.measures import table
+def _leader(profile: Path | None) -> Profile | None:
+    from psp_model.leader import read_profile
 
-    found = compare.scenarios(seed, duration)
-    if sweep:
-        situations = [compare.scenarios(seed + k, duration)[0] for k in range(_STARTS)]
-        return compare.tolerance_table([*compare.sweep(fmu, situations, compare.DELAYS, compare.LAGS)])
-    wanted = [one for one in found if situation in (Situation.ALL, one.name)]
+    return None if profile is None else read_profile(profile)
+
+
+def _results(output: Path | None, fmu: Path, profile: Path | None, duration: float | None, sweep: bool) -> Results:
+    """Where the runs are kept, refused where they were made otherwise."""
+    from importlib.metadata import version
+
+    from psp_traffic.results import Results, ResultsError, digest
+    from psp_traffic.scenario import WLTC_HIGH
+
+    from .options import command_line
+
+    settings = {
+        "sweep": sweep,
+        "duration": duration,
+        "controller": digest(fmu),
+        "profile": digest(profile or WLTC_HIGH) if profile is None or profile.exists() else None,
+        "sumo": version("libsumo"),
+    }
+    if output is not None:
+        output.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        return Results(output, settings, command_line())
+    except ResultsError as error:
+        raise BadInput(str(error)) from None
+
+
+def _compare(
+    names: Sequence[str],
+    fmu: Path,
+    seeds: Sequence[int],
+    duration: float | None,
+    leader: Profile | None,
+    results: Results,
+) -> None:
+    from psp_traffic.compare import compare, count, situation, title
+    from psp_traffic.summary import table
+
+    from .progress import steps_done
+
     parts = []
-    for one in wanted:
-        rows = compare.compare(one, fmu, seed, lambda line: typer.echo(f"psp: {line}", err=True))
-        parts.append(f"**{one.name}**, {one.vehicles} vehicles, {one.duration:g} s\n\n{table(rows)}")
-    return "\n\n".join(parts)
+    with steps_done("runs in SUMO", count(names, len(seeds))) as progress:
+        for name in names:
+            found = {seed: situation(name, seed, duration, leader) for seed in seeds}
+            rows = compare(found, fmu, results, progress)
+            parts.append(f"{title(found[seeds[0]], len(seeds))}\n\n{table(rows)}")
+    typer.echo("\n\n".join(parts))
+
+
+def _sweep(
+    names: Sequence[str], fmu: Path, seeds: Sequence[int], duration: float | None, results: Results, plot: Path | None
+) -> None:
+    from psp_traffic.compare import situation
+    from psp_traffic.sweep import DELAYS, DURATIONS, LAGS, sweep, sweep_text
+
+    from .progress import steps_done
+
+    parts = []
+    with steps_done("runs in SUMO", 2 * len(names) * len(seeds) * len(DELAYS) * len(LAGS)) as progress:
+        for name in names:
+            found = {seed: situation(name, seed, duration or DURATIONS[name]) for seed in seeds}
+            tolerances = sweep(found, fmu, results, progress=progress)
+            parts.append(f"**{name}**, {len(seeds)} starts\n\n{sweep_text(tolerances)}")
+    typer.echo("\n\n".join(parts))

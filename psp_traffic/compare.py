@@ -1,132 +1,127 @@
-"""The comparison of drivers, and how far delay and lag may go."""
+"""The comparison of drivers in several situations, each from several starts."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, fields, replace
+from functools import partial
 from pathlib import Path
 
-import numpy as np
+from psp_model.leader import Profile
 
 from .driver import Driver, controllers, sumo_drivers
 from .measures import Measures, measure
-from .scenario import Scenario, highway, ramp, stop_and_go
-from .simulation import Disturbance, simulate
+from .results import Results, Row
+from .scenario import Scenario, highway, highway_apart, on_profile, ramp, stop_and_go
+from .simulation import simulate
 
-DELAYS = (0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0)  # [s] of the sensors
-LAGS = (0.0, 0.1, 0.2, 0.3, 0.5, 0.8, 1.2)  # [s] of the actuators
-
-
-def scenarios(seed: int, duration: float | None = None) -> list[Scenario]:
-    """The three traffic situations.
-
-    Parameters
-    ----------
-    seed : of the starts
-    duration : of all of them instead of their own [s]
-    """
-    found = [highway(seed=seed), ramp(seed=seed), stop_and_go()]
-    return found if duration is None else [replace(one, duration=duration) for one in found]
+SITUATIONS = ("highway", "highway-apart", "ramp", "stop-and-go", "profile")
 
 
-def compare(
-    scenario: Scenario, fmu: Path, seed: int, progress: Callable[[str], None] = lambda line: None
-) -> dict[str, Measures]:
-    """The measures of all drivers in one scenario.
+def situation(name: str, seed: int, duration: float | None = None, profile: Profile | None = None) -> Scenario:
+    """One start of a traffic situation.
 
     Parameters
     ----------
-    scenario : to run
-    fmu : PspController, for as many vehicles as there are
-    seed : of SUMO
-    progress : called with one line for each run of the controller
+    name : of SITUATIONS
+    seed : of the start
+    duration : instead of its own [s]
+    profile : of the leader, where there is one; by default phase High of the WLTC
     """
-    rows = {}
-    for driver in (*controllers(fmu, wave=scenario.wave), *sumo_drivers()):
-        record = simulate(scenario, driver, seed=seed)
-        rows[driver.name] = measure(record, scenario)
-        if record.reports:
-            told = ", ".join(f"{name} = {value:.4g}" for name, value in record.reports.items())
-            progress(f"{scenario.name}, {driver.name}: {told}")
-    return rows
+    makers: dict[str, Callable[[], Scenario]] = {
+        "highway": lambda: highway(seed=seed),
+        "highway-apart": lambda: highway_apart(seed=seed),
+        "ramp": lambda: ramp(seed=seed),
+        "stop-and-go": lambda: stop_and_go(seed=seed),
+        "profile": lambda: on_profile(seed=seed, profile=profile),
+    }
+    found = makers[name]()
+    return found if duration is None else replace(found, duration=duration)
 
 
-@dataclass(frozen=True)
-class Tolerance:
-    """What one delay, lag or integrator did to one potential, the worst of several starts.
-
-    Attributes
-    ----------
-    driver : name
-    disturbance : that was in effect
-    starts, collided, uncertified, outside : starts that were run, of which vehicles touched, T was not certified at a
-        sampling instant, a measurement lay outside the state space
-    gap_min : smallest free space [m]
-    first : when the first of these happened [s], infinite if never
-    a_rms : largest r.m.s. acceleration [m/s2]
-    """
-
-    driver: str
-    disturbance: Disturbance
-    starts: int
-    collided: int
-    uncertified: int
-    outside: int
-    gap_min: float
-    first: float
-    a_rms: float
-
-
-def sweep(
-    fmu: Path, situations: Sequence[Scenario], delays: Sequence[float], lags: Sequence[float]
-) -> Iterator[Tolerance]:
-    """Delay alone, lag alone, and SUMO's ballistic step, for V_new and V_old.
+def drivers(fmu: Path, led: bool) -> list[Driver]:
+    """Everybody who is compared.
 
     Parameters
     ----------
     fmu : PspController
-    situations : to run with each
-    delays, lags : [s]
+    led : whether the leader drives a speed of its own
     """
-    cases = [Disturbance(delay=delay) for delay in delays] + [Disturbance(lag=lag) for lag in lags if lag > 0]
-    cases.append(Disturbance(ballistic=True))
-    for driver in controllers(fmu):
-        for disturbance in cases:
-            yield _tolerance(situations, driver, disturbance)
+    return [*controllers(fmu, led=led), *sumo_drivers()]
 
 
-def _tolerance(situations: Sequence[Scenario], driver: Driver, disturbance: Disturbance) -> Tolerance:
-    records = [simulate(one, driver, disturbance=disturbance) for one in situations]
-    rows = [measure(record, one) for record, one in zip(records, situations, strict=True)]
-    uncertified = [record.reports["uncertified_from"] for record in records]
-    outside = [record.reports["fault_from"] for record in records]
-    return Tolerance(
-        driver.name,
-        disturbance,
-        starts=len(rows),
-        collided=sum(row.collisions > 0 for row in rows),
-        uncertified=int(np.isfinite(uncertified).sum()),
-        outside=int(np.isfinite(outside).sum()),
-        gap_min=min(row.gap_min for row in rows),
-        first=min(uncertified + outside),
-        a_rms=max(row.a_rms for row in rows),
-    )
-
-
-def tolerance_table(rows: Sequence[Tolerance]) -> str:
-    """A Markdown table of a sweep.
+def compare(
+    starts: Mapping[int, Scenario], fmu: Path, results: Results, progress: Callable[[], None] = lambda: None
+) -> dict[str, list[Measures]]:
+    """The measures of all drivers in one situation.
 
     Parameters
     ----------
-    rows : from `sweep`
+    starts : of the situation, by seed
+    fmu : PspController, for as many vehicles as there are
+    results : where runs are kept
+    progress : called after each run
+
+    Returns
+    -------
+    measures of the starts by name of the driver
     """
-    head = "| potential | delay [s] | lag [s] | step | starts | collided | T >= T_max | outside Omega | first [s] "
-    lines = [head + "| least free gap [m] | r.m.s. a [m/s2] |", "|---" * 11 + "|"]
-    for row in rows:
-        d, first = row.disturbance, "-" if np.isinf(row.first) else f"{row.first:.2f}"
-        kind = "ballistic" if d.ballistic else "Euler"
-        lines.append(
-            f"| {row.driver} | {d.delay:g} | {d.lag:g} | {kind} | {row.starts} | {row.collided} | {row.uncertified} "
-            f"| {row.outside} | {first} | {row.gap_min:.2f} | {row.a_rms:.2f} |"
-        )
-    return "\n".join(lines)
+    rows: dict[str, list[Measures]] = {}
+    led = next(iter(starts.values())).leader is not None
+    for seed, scenario in starts.items():
+        for driver in drivers(fmu, led):
+            name = f"{scenario.name}; {driver.name}; start {seed}"
+            row = results.run(name, partial(_run, scenario, driver, seed))
+            rows.setdefault(driver.name, []).append(_measures(row))
+            progress()
+    return rows
+
+
+def _run(scenario: Scenario, driver: Driver, seed: int) -> Row:
+    record = simulate(scenario, driver, seed=seed)
+    return asdict(measure(record, scenario)) | record.reports
+
+
+def _measures(row: Row) -> Measures:
+    found = {field.name: row[field.name] for field in fields(Measures)}
+    return Measures(**(found | {"collisions": int(row["collisions"])}))  # type: ignore[arg-type]
+
+
+def of_situation(runs: Mapping[str, Row], name: str) -> dict[str, list[Measures]]:
+    """What `compare` returned for a situation, from runs that were kept.
+
+    Parameters
+    ----------
+    runs : by name
+    name : of the situation
+    """
+    rows: dict[str, list[Measures]] = {}
+    for key, row in runs.items():
+        situation_of, driver, _ = key.split("; ", 2)
+        if situation_of == name:
+            rows.setdefault(driver, []).append(_measures(row))
+    return rows
+
+
+def title(scenario: Scenario, starts: int) -> str:
+    """The heading of a table.
+
+    Parameters
+    ----------
+    scenario : one start of the situation
+    starts : how many there are
+    """
+    return f"**{scenario.name}**, {scenario.vehicles} vehicles, {scenario.duration:g} s, starts: {starts}"
+
+
+def count(names: Iterable[str], starts: int) -> int:
+    """How many runs a comparison takes.
+
+    Parameters
+    ----------
+    names : of the situations
+    starts : of each
+    """
+    wanted: Sequence[str] = list(names)
+    led = sum(name in ("stop-and-go", "profile") for name in wanted)
+    return starts * (5 * len(wanted) + 2 * led)

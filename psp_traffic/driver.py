@@ -35,19 +35,19 @@ def sumo_drivers() -> list[Driver]:
     return [Driver(model, {"carFollowModel": model}) for model in ("IDM", "ACC", "CACC")]
 
 
-def controllers(fmu: Path, bounds: tuple[float, float] = (A_MIN, A_MAX), wave: bool = False) -> list[Driver]:
-    """The controller with V_new and with V_old; on a wave also with the leader's speed as the desired one.
+def controllers(fmu: Path, bounds: tuple[float, float] = (A_MIN, A_MAX), led: bool = False) -> list[Driver]:
+    """The controller with V_new and with V_old; behind a leader also with the leader's speed as the desired one.
 
     Parameters
     ----------
     fmu : PspController
     bounds : a_min, a_max [m/s2]
-    wave : whether the leader drives a wave
+    led : whether the leader drives a speed of its own
     """
     common = {"a_min": bounds[0], "a_max": bounds[1], "bad_input": 2, "a_safe": -4.0, "lemma1_policy": 2}
     free: dict[str, str | float] = {"carFollowModel": "IDM", "accel": 100.0, "decel": 100.0, "emergencyDecel": 100.0}
     new, old = common | {"potential": 2}, common | {"potential": 1}
     found = [Driver("V_new", free, fmu, new), Driver("V_old", free, fmu, old)]
-    if wave:
+    if led:
         found += [Driver("V_new, v_leader", free, fmu, new, True), Driver("V_old, v_leader", free, fmu, old, True)]
     return found

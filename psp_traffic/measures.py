@@ -11,6 +11,7 @@ from .scenario import LENGTH, Scenario
 from .simulation import Record
 
 _STEADY = 10.0  # [s] the end of a run, over which gaps and capacity are averaged
+_BEGINNING = 30.0  # [s] of a run behind a leader, left out of its averages and of the amplification
 _JERK_WINDOW = 0.1  # [s] jerk is the change of acceleration between means over this time
 _SETTLED = 0.5  # [m/s] everybody this close to v_star
 
@@ -26,10 +27,11 @@ class Measures:
     ttc_min : smallest time to collision while closing [s]
     a_peak, a_rms : of accelerations [m/s2]
     jerk_peak, jerk_rms : [m/s3]
-    capacity : vehicles per hour that the last 10 s amount to
-    gap_mean : between fronts over the last 10 s [m]
-    settling : from when everybody stays within 0.5 m/s of v_star [s]; NaN if never, or on a wave
-    amplification : r.m.s. acceleration of the last vehicle over that of the leader; NaN where it keeps its speed
+    capacity : vehicles per hour that the last 10 s amount to; behind a leader, all but the first 30 s
+    gap_mean : between fronts over the same time [m]
+    settling : from when everybody stays within 0.5 m/s of v_star [s]; infinite if never, NaN behind a leader
+    amplification : r.m.s. acceleration of the last vehicle over that of the leader, behind a leader without the first
+        30 s; NaN where the leader keeps its speed
     co2, fuel : per vehicle and kilometre [g/km]
     """
 
@@ -85,16 +87,19 @@ def measure(record: Record, scenario: Scenario) -> Measures:
     with np.errstate(invalid="ignore", divide="ignore"):
         ttc = np.where((closing > 0) & (free > 0), free / closing, np.inf)
     a = np.diff(record.v, axis=0) / step
-    driven = a[:, 1:] if scenario.wave else a
+    led = scenario.leader is not None
+    driven = a[:, 1:] if led else a
     window = max(round(_JERK_WINDOW / step), 1)
     whole = driven[: len(driven) // window * window]
     jerk = np.diff(whole.reshape(-1, window, whole.shape[1]).mean(axis=1), axis=0) / (window * step)
-    late = record.time > record.time[-1] - _STEADY
+    end = record.time[-1]
+    late = record.time > (min(_BEGINNING, end - _STEADY) if led else end - _STEADY)
     gap_mean = float(np.nanmean(s[late]))
     away = np.flatnonzero((abs(record.v - scenario.v_star) > _SETTLED).any(axis=1))
     settled = 0.0 if not away.size else float(record.time[away[-1]] + step)
-    never = scenario.wave or settled > record.time[-1]
-    leading, last = _rms(a[:, 0]), scenario.v.size - 1
+    settled = np.inf if settled > end else settled
+    passed_on = a[late[1:]] if led else a
+    leading, last = _rms(passed_on[:, 0]), scenario.v.size - 1
     kilometres = 1e-3 * (record.x[-1] - record.x[0]).sum()
     return Measures(
         collisions=len(set(map(tuple, pairs[free <= 0].tolist()))),
@@ -106,44 +111,23 @@ def measure(record: Record, scenario: Scenario) -> Measures:
         jerk_rms=_rms(jerk),
         capacity=3600.0 * float(record.v[late].mean()) / gap_mean,
         gap_mean=gap_mean,
-        settling=np.nan if never else settled,
-        amplification=_rms(a[:, last]) / leading if leading > 0.01 else np.nan,
+        settling=np.nan if led else settled,
+        amplification=_rms(passed_on[:, last]) / leading if leading > 0.01 else np.nan,
         co2=float(record.co2.sum() / kilometres),
         fuel=float(record.fuel.sum() / kilometres),
     )
 
 
-def _rms(values: NDArray[np.float64]) -> float:
-    return float(np.sqrt((values**2).mean()))
-
-
-COLUMNS = {
-    "collisions": ("collisions", "d"),
-    "gap_min": ("least free gap [m]", ".2f"),
-    "ttc_min": ("least TTC [s]", ".2f"),
-    "a_peak": ("peak a [m/s2]", ".2f"),
-    "a_rms": ("r.m.s. a", ".2f"),
-    "jerk_peak": ("peak jerk [m/s3]", ".1f"),
-    "jerk_rms": ("r.m.s. jerk", ".2f"),
-    "capacity": ("capacity [veh/h]", ".0f"),
-    "gap_mean": ("mean gap [m]", ".1f"),
-    "settling": ("settled after [s]", ".1f"),
-    "amplification": ("amplification", ".2f"),
-    "co2": ("CO2 [g/km]", ".1f"),
-    "fuel": ("fuel [g/km]", ".1f"),
-}
-
-
-def table(rows: dict[str, Measures]) -> str:
-    """A Markdown table, one line for each run.
+def contact(record: Record) -> float:
+    """When two vehicles on the through lane first touch [s], infinite if never.
 
     Parameters
     ----------
-    rows : by name
+    record : of a run
     """
-    head = "| | " + " | ".join(title for title, _ in COLUMNS.values()) + " |"
-    lines = [head, "|---" * (len(COLUMNS) + 1) + "|"]
-    for name, row in rows.items():
-        cells = [format(getattr(row, field), spec).replace("nan", "-") for field, (_, spec) in COLUMNS.items()]
-        lines.append(f"| {name} | " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+    touched = (gaps(record)[0] <= LENGTH).any(axis=1)
+    return float(record.time[touched.argmax()]) if touched.any() else np.inf
+
+
+def _rms(values: NDArray[np.float64]) -> float:
+    return float(np.sqrt((values**2).mean()))

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import subprocess
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from .driver import Driver
 from .scenario import LANE_END, LENGTH, RAMP_END, ROAD_END, Scenario
@@ -34,22 +36,30 @@ def sumo_home() -> Path:
 
 
 def write_road(folder: Path) -> Path:
-    """Make the network file with SUMO's netconvert.
+    """Write the network file.
 
     Parameters
     ----------
-    folder : for the files
+    folder : for the file
     """
+    path = folder / "road.net.xml"
+    path.write_bytes(_network())
+    return path
+
+
+@cache
+def _network() -> bytes:
+    """What SUMO's netconvert makes of the road, once for all runs of a process."""
     parts = {"node": _NODES, "edge": _EDGES, "connection": _CONNECTIONS}
-    for kind, text in parts.items():
-        (folder / f"road.{kind}.xml").write_text(text)
-    network = folder / "road.net.xml"
-    program = sumo_home() / "bin" / "netconvert"
-    options = [f"--{kind}-files={folder}/road.{kind}.xml" for kind in parts]
-    quiet = ["--no-internal-links", "--no-turnarounds", "--no-warnings", "--junctions.corner-detail=0"]
-    command = [str(program), *options, *quiet, f"--output-file={network}"]
-    subprocess.run(command, check=True, capture_output=True)
-    return network
+    with TemporaryDirectory() as name:
+        for kind, text in parts.items():
+            Path(name, f"road.{kind}.xml").write_text(text)
+        network = Path(name, "road.net.xml")
+        options = [f"--{kind}-files={name}/road.{kind}.xml" for kind in parts]
+        quiet = ["--no-internal-links", "--no-turnarounds", "--no-warnings", "--junctions.corner-detail=0"]
+        command = [str(sumo_home() / "bin" / "netconvert"), *options, *quiet, f"--output-file={network}"]
+        subprocess.run(command, check=True, capture_output=True)
+        return network.read_bytes()
 
 
 def _start(x: float) -> str:

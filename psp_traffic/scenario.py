@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from psp_model.leader import Wave
+from psp_model.leader import LeaderSpeed, Profile, Wave, read_profile
 from psp_model.state import StartDomain
 
 LENGTH = 5.0  # [m] of every vehicle: fronts L = 5 m apart means bumper to bumper
 RAMP_END, LANE_END, ROAD_END = 1000.0, 2200.0, 30_000.0  # [m] the ramp joins, its lane ends, the road ends
 STOP_AND_GO = Wave(high=30.0, low=14.0, begin=10.0, period=40.0)
+WLTC_HIGH = Path(__file__).with_name("profiles") / "wltc_high.csv"
+_APART = StartDomain(gap_min=38.0, gap_max=48.0)  # SUMO's drivers want 37.5 m at 30 m/s: 1 s, 2.5 m and their length
+_BEHIND_A_LEADER = (12.0, 16.0)  # [m] gaps at the start
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +31,7 @@ class Scenario:
     duration : [s]
     x_leader : position of the leader's front at the start [m]
     merging : start (position [m], speed [m/s]) of each vehicle on the acceleration lane
-    wave : whether the leader drives the stop-and-go wave, whatever anybody commands
+    leader : speed that the leader drives whatever anybody commands; None where it is driven like the others
     """
 
     name: str
@@ -37,22 +41,12 @@ class Scenario:
     duration: float = 60.0
     x_leader: float = 500.0
     merging: tuple[tuple[float, float], ...] = field(default=())
-    wave: bool = False
+    leader: LeaderSpeed | None = None
 
     @property
     def vehicles(self) -> int:
         """All vehicles, those on the ramp included."""
         return self.v.size + len(self.merging)
-
-
-def wave_speed(time: float) -> float:
-    """Speed of the leader in the stop-and-go wave [m/s] (ours).
-
-    Parameters
-    ----------
-    time : [s]
-    """
-    return STOP_AND_GO.speed(time)
 
 
 def highway(vehicles: int = 7, seed: int = 1, duration: float = 60.0) -> Scenario:
@@ -66,6 +60,19 @@ def highway(vehicles: int = 7, seed: int = 1, duration: float = 60.0) -> Scenari
     """
     s, v = StartDomain().draw(np.random.default_rng(seed), vehicles, 1)
     return Scenario("highway", s[:, 0], v[:, 0], duration=duration)
+
+
+def highway_apart(vehicles: int = 7, seed: int = 1, duration: float = 60.0) -> Scenario:
+    """The same lane and speeds, at gaps that SUMO's drivers would keep by themselves (ours).
+
+    Parameters
+    ----------
+    vehicles : n
+    seed : of the start
+    duration : [s]
+    """
+    s, v = _APART.draw(np.random.default_rng(seed), vehicles, 1)
+    return Scenario("highway-apart", s[:, 0], v[:, 0], duration=duration)
 
 
 def ramp(seed: int = 1, duration: float = 60.0) -> Scenario:
@@ -82,12 +89,35 @@ def ramp(seed: int = 1, duration: float = 60.0) -> Scenario:
     return Scenario("ramp", gaps, np.full(5, 30.0), duration=duration, x_leader=1190.0, merging=merging)
 
 
-def stop_and_go(vehicles: int = 7, duration: float = 130.0) -> Scenario:
+def _behind(name: str, leader: LeaderSpeed, seed: int, vehicles: int, duration: float) -> Scenario:
+    """Gaps drawn from a range, everybody as fast as the leader."""
+    s = np.random.default_rng(seed).uniform(*_BEHIND_A_LEADER, vehicles - 1)
+    return Scenario(name, s, np.full(vehicles, leader.speed(0.0)), duration=duration, leader=leader)
+
+
+def stop_and_go(vehicles: int = 7, seed: int = 1, duration: float = 130.0) -> Scenario:
     """A leader on a stop-and-go wave of ours between 30 and 14 m/s.
 
     Parameters
     ----------
     vehicles : n
+    seed : of the gaps at the start
     duration : [s]
     """
-    return Scenario("stop-and-go", np.full(vehicles - 1, 14.0), np.full(vehicles, 30.0), duration=duration, wave=True)
+    return _behind("stop-and-go", STOP_AND_GO, seed, vehicles, duration)
+
+
+def on_profile(
+    vehicles: int = 7, seed: int = 1, duration: float | None = None, profile: Profile | None = None
+) -> Scenario:
+    """A leader who follows a speed profile.
+
+    Parameters
+    ----------
+    vehicles : n
+    seed : of the gaps at the start
+    duration : [s], by default the profile's
+    profile : by default phase High of the WLTC
+    """
+    profile = profile or read_profile(WLTC_HIGH)
+    return _behind("profile", profile, seed, vehicles, duration or profile.times[-1])

@@ -17,9 +17,11 @@ from numpy.typing import NDArray
 from .controller_fmu import ControllerFmu, Platoon, Vector
 from .driver import Driver
 from .road import sumo_home, write_road, write_vehicles
-from .scenario import LENGTH, Scenario, wave_speed
+from .scenario import LENGTH, Scenario
 
 JOIN_ROOM, LANE_CHANGE_ROOM = 1.0, 3.0  # [m] free behind and ahead beyond L: to be counted in, to change lanes
+
+_DESIRED = (0.1, 34.9)  # [m/s] desired speeds lie strictly between 0 and v_max
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,13 @@ def running_sumo(network: Path, vehicles: Path, step: float, seed: int, ballisti
 
 
 def simulate(
-    scenario: Scenario, driver: Driver, *, step: float = 0.01, seed: int = 1, disturbance: Disturbance | None = None
+    scenario: Scenario,
+    driver: Driver,
+    *,
+    step: float = 0.01,
+    seed: int = 1,
+    disturbance: Disturbance | None = None,
+    to_contact: bool = False,
 ) -> Record:
     """Run a scenario, headless; the same arguments give the same record.
 
@@ -89,13 +97,14 @@ def simulate(
     step : of SUMO, and the controller's sampling period [s]
     seed : of SUMO
     disturbance : between controller and vehicles; none by default
+    to_contact : end where two vehicles touch
     """
     disturbance = disturbance or Disturbance()
     with TemporaryDirectory() as name:
         folder = Path(name)
         vehicles = write_vehicles(folder, scenario, driver)
         with running_sumo(write_road(folder), vehicles, step, seed, disturbance.ballistic) as sumo:
-            return _Run(sumo, scenario, driver, step, disturbance, folder).go()
+            return _Run(sumo, scenario, driver, step, disturbance, folder).go(to_contact)
 
 
 class _Run:
@@ -119,21 +128,15 @@ class _Run:
         self.begins = {"before": 0.0, "beside": lengths[0], "after": sum(lengths)}  # [m] of each edge
         self.actual = np.zeros(scenario.vehicles)  # [m/s2] what the actuators do
 
-    def go(self) -> Record:
+    def go(self, to_contact: bool) -> Record:
         sumo, n = self.sumo, len(self.names)
         sumo.simulationStep()  # puts the vehicles on the road
-        for name in self.names:
-            sumo.vehicle.setLaneChangeMode(name, 1621 if self.platoon is None else 0)
-            if self.platoon is not None:
-                sumo.vehicle.setSpeedMode(name, 0)
-            else:
-                sumo.vehicle.setMaxSpeed(name, self.scenario.v_star)  # only now: some start faster
-        if self.scenario.wave:
-            sumo.vehicle.setSpeedMode("0", 0)
-        count = round(self.scenario.duration / self.step)
-        x, v, road = np.zeros((count, n)), np.zeros((count, n)), np.zeros((count, n), dtype=bool)
+        self._hand_over()
+        time = self.step * np.arange(round(self.scenario.duration / self.step), dtype=np.float64)
+        x, v, road = np.zeros((time.size, n)), np.zeros((time.size, n)), np.zeros((time.size, n), dtype=bool)
         co2, fuel = np.zeros(n), np.zeros(n)
-        for k in range(count):
+        done = time.size
+        for k in range(time.size):
             for i, name in enumerate(self.names):
                 lane = sumo.vehicle.getLaneID(name)
                 x[k, i] = self.begins[lane.partition("_")[0]] + sumo.vehicle.getLanePosition(name)
@@ -141,15 +144,30 @@ class _Run:
                 road[k, i] = lane != "beside_0"
                 co2[i] += 1e-3 * self.step * sumo.vehicle.getCO2Emission(name)
                 fuel[i] += 1e-3 * self.step * sumo.vehicle.getFuelConsumption(name)
-            if self.scenario.wave:
-                sumo.vehicle.setSpeed("0", wave_speed((k + 1) * self.step))
+            if self.scenario.leader is not None:
+                sumo.vehicle.setSpeed("0", self.scenario.leader.speed((k + 1) * self.step))
             if self.platoon is not None:
-                self._control(k * self.step, x[k], v[k], road[k])
+                self._control(time[k], x[k], v[k], road[k])
+            if to_contact and np.diff(np.sort(x[k, road[k]])).min() <= LENGTH:
+                done = k + 1
+                break
             sumo.simulationStep()
         reports = {} if self.platoon is None else self.platoon.reports()
         if self.platoon is not None:
             self.platoon.close()
-        return Record(self.step * np.arange(count, dtype=np.float64), x, v, road, co2, fuel, reports)
+        return Record(time[:done], x[:done], v[:done], road[:done], co2, fuel, reports)
+
+    def _hand_over(self) -> None:
+        """Tell SUMO who drives what."""
+        vehicle = self.sumo.vehicle
+        for name in self.names:
+            vehicle.setLaneChangeMode(name, 1621 if self.platoon is None else 0)
+            if self.platoon is not None:
+                vehicle.setSpeedMode(name, 0)
+            else:
+                vehicle.setMaxSpeed(name, self.scenario.v_star)  # only now: some start faster
+        if self.scenario.leader is not None:
+            vehicle.setSpeedMode("0", 0)
 
     def _control(self, time: float, x: Vector, v: Vector, on_road: NDArray[np.bool_]) -> None:
         """Measure, ask the controller, and set the speeds that its accelerations lead to within a step."""
@@ -159,12 +177,12 @@ class _Run:
         self.past.append((time, x.copy(), v.copy()))
         measured_at, x_seen, v_seen = self.past[0]
         order = self.members
-        v_desired = max(v_seen[0], 0.1) if self.driver.follows else -1.0
+        v_desired = float(np.clip(v_seen[0], *_DESIRED)) if self.driver.follows else -1.0
         a = platoon.command(-np.diff(x_seen[order]), v_seen[order], measured_at, v_desired)
         share = 1.0 if self.lag <= 0.0 else -np.expm1(-self.step / self.lag)
         for i, command in zip(order, a, strict=True):
             self.actual[i] += share * (command - self.actual[i])
-            if i == 0 and self.scenario.wave:
+            if i == 0 and self.scenario.leader is not None:
                 continue
             self.sumo.vehicle.setSpeed(self.names[i], max(v[i] + self.step * self.actual[i], 0.0))
             if not on_road[i]:

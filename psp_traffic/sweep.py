@@ -1,0 +1,211 @@
+"""How far delay and lag may go together, with V_new and V_old."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from .driver import Driver, controllers
+from .measures import contact, gaps
+from .results import Results, Row
+from .scenario import LENGTH, Scenario
+from .simulation import Disturbance, simulate
+
+DELAYS = (0.0, 0.1, 0.2, 0.3, 0.5, 0.7)  # [s] of the sensors
+LAGS = (0.0, 0.1, 0.2, 0.3, 0.5, 0.8)  # [s] of the actuators
+DURATIONS = {"highway": 20.0, "stop-and-go": 60.0}  # [s] one wave and a bit
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One run, which ends where two vehicles touch.
+
+    Attributes
+    ----------
+    contact : when they do [s], infinite if never
+    violation : the first sampling instant with T >= T_max or with a measurement outside the state space [s], infinite
+        if there was none
+    gap_min : smallest free space, 0 where vehicles touched [m]
+    a_rms : r.m.s. acceleration [m/s2]
+    """
+
+    contact: float
+    violation: float
+    gap_min: float
+    a_rms: float
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """What a delay and a lag did to one driver from several starts.
+
+    Attributes
+    ----------
+    trials : one for each start
+    """
+
+    trials: tuple[Trial, ...]
+
+    @property
+    def collided(self) -> int:
+        """Starts of which vehicles touched."""
+        return sum(np.isfinite(trial.contact) for trial in self.trials)
+
+    @property
+    def violated(self) -> int:
+        """Starts with a violation."""
+        return sum(np.isfinite(trial.violation) for trial in self.trials)
+
+    @property
+    def first(self) -> float:
+        """The earliest contact or violation [s]."""
+        return min(min(trial.contact, trial.violation) for trial in self.trials)
+
+    @property
+    def gap_min(self) -> float:
+        """The smallest free space [m]."""
+        return min(trial.gap_min for trial in self.trials)
+
+
+Case = tuple[str, float, float]  # driver, delay [s], lag [s]
+
+
+def swept(fmu: Path, led: bool) -> list[Driver]:
+    """The controllers of a sweep; behind a leader they are told its speed.
+
+    Parameters
+    ----------
+    fmu : PspController
+    led : whether the leader drives a speed of its own
+    """
+    return [driver for driver in controllers(fmu, led=led) if driver.follows is led]
+
+
+def sweep(
+    starts: Mapping[int, Scenario],
+    fmu: Path,
+    results: Results,
+    delays: Sequence[float] = DELAYS,
+    lags: Sequence[float] = LAGS,
+    progress: Callable[[], None] = lambda: None,
+) -> dict[Case, Tolerance]:
+    """Every delay with every lag, for V_new and V_old.
+
+    Parameters
+    ----------
+    starts : of one situation, by seed
+    fmu : PspController
+    results : where runs are kept
+    delays, lags : [s]
+    progress : called after each run
+    """
+    led = next(iter(starts.values())).leader is not None
+    found = {}
+    for driver in swept(fmu, led):
+        for delay in delays:
+            for lag in lags:
+                trials = []
+                for seed, scenario in starts.items():
+                    name = f"{scenario.name}; {driver.name}; start {seed}; delay {delay:g} s; lag {lag:g} s"
+                    row = results.run(name, partial(_try, scenario, driver, Disturbance(delay, lag), seed))
+                    trials.append(Trial(**row))
+                    progress()
+                found[driver.name, delay, lag] = Tolerance(tuple(trials))
+    return found
+
+
+def _try(scenario: Scenario, driver: Driver, disturbance: Disturbance, seed: int) -> Row:
+    record = simulate(scenario, driver, seed=seed, disturbance=disturbance, to_contact=True)
+    step = scenario.duration if record.time.size < 2 else float(record.time[1] - record.time[0])
+    a = np.diff(record.v, axis=0) / step
+    trial = Trial(
+        contact=contact(record),
+        violation=min(record.reports["uncertified_from"], record.reports["fault_from"]),
+        gap_min=max(float(np.nanmin(gaps(record)[0])) - LENGTH, 0.0),
+        a_rms=float(np.sqrt((a**2).mean())),
+    )
+    return asdict(trial)
+
+
+def of_sweep(runs: Mapping[str, Row], scenario: str) -> dict[Case, Tolerance]:
+    """What `sweep` returned, from runs that were kept.
+
+    Parameters
+    ----------
+    runs : by name
+    scenario : name of the situation
+    """
+    trials: dict[Case, list[Trial]] = {}
+    for name, row in runs.items():
+        situation, driver, _, delay, lag = name.split("; ")
+        if situation == scenario:
+            case = driver, float(delay.split()[1]), float(lag.split()[1])
+            trials.setdefault(case, []).append(Trial(**row))
+    return {case: Tolerance(tuple(rows)) for case, rows in trials.items()}
+
+
+def tolerance_table(found: Mapping[Case, Tolerance], driver: str) -> str:
+    """A Markdown table: delays down, lags across.
+
+    A cell says in how many starts vehicles touched and when the first contact or violation came; where none touched, the
+    least free gap.
+
+    Parameters
+    ----------
+    found : from `sweep`
+    driver : its name
+    """
+    delays = sorted({delay for name, delay, _ in found if name == driver})
+    lags = sorted({lag for name, _, lag in found if name == driver})
+    lines = ["| delay \\ lag | " + " | ".join(f"{lag:g} s" for lag in lags) + " |", "|---" * (len(lags) + 1) + "|"]
+    for delay in delays:
+        cells = [_cell(found[driver, delay, lag]) for lag in lags]
+        lines.append(f"| **{delay:g} s** | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def _cell(row: Tolerance) -> str:
+    if row.collided:
+        return f"{row.collided} of {len(row.trials)}, {row.first:.1f} s"
+    warned = f"; {row.violated} not certified, {row.first:.1f} s" if row.violated else ""
+    return f"{row.gap_min:.2f} m{warned}"
+
+
+def warnings(found: Mapping[Case, Tolerance], driver: str) -> tuple[int, int, list[float]]:
+    """How well T_max announces a contact.
+
+    Parameters
+    ----------
+    found : from `sweep`
+    driver : its name
+
+    Returns
+    -------
+    runs with a contact; those of them without a violation before it; times from violation to contact of the others [s]
+    """
+    trials = [trial for (name, *_), row in found.items() if name == driver for trial in row.trials]
+    touched = [trial for trial in trials if np.isfinite(trial.contact)]
+    times = sorted(trial.contact - trial.violation for trial in touched if trial.violation < trial.contact)
+    return len(touched), len(touched) - len(times), times
+
+
+def sweep_text(found: Mapping[Case, Tolerance]) -> str:
+    """The tables of a sweep in Markdown, and below each what T_max said before contacts.
+
+    Parameters
+    ----------
+    found : from `sweep`
+    """
+    parts = []
+    for driver in dict.fromkeys(name for name, *_ in found):
+        touched, unwarned, times = warnings(found, driver)
+        text = f"{touched} runs with a contact, {unwarned} of them without a violation before it"
+        if times:
+            text += f"; in the others the first violation came {times[0]:.2f} to {times[-1]:.2f} s before the contact"
+            text += f" (median {float(np.median(times)):.2f} s)"
+        parts.append(f"{driver}:\n\n{tolerance_table(found, driver)}\n\n{text}.")
+    return "\n\n".join(parts)
