@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from fmu_src.python_runtime import NetworkFile, build_python_fmu, network_for
@@ -30,6 +32,8 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     text = "native: libraries for this machine, or for Linux, Windows and macOS (host)"
     parser.add_argument("--platforms", choices=["host", "all"], default="host", help=text)
     parser.add_argument("--network", type=Path, metavar="FILE", help="network instead of onnx/platoon_N.onnx")
+    text = "leader: drives this speed profile, a CSV file with time [s] and speed [m/s], instead of a wave"
+    parser.add_argument("--profile", type=Path, metavar="FILE", help=text)
     return parser.parse_args(arguments)
 
 
@@ -70,16 +74,18 @@ def build(options: argparse.Namespace, network: NetworkFile | None) -> Path:
     """
     if options.component != "platoon" and options.network:
         raise RuntimeError(f"--component {options.component} brings its own networks: leave --network out")
+    if options.component != "leader" and options.profile:
+        raise RuntimeError(f"--component {options.component} takes no --profile: leave it out, or build the leader")
     if options.runtime == "native":
         return build_native(options, network)
     if options.component == "platoon":
         return build_python_fmu(options.vehicles, options.output, network)
     from fmu_src import traffic_runtime as traffic
 
-    makers = {
+    makers: dict[str, Callable[[int, Path], Path]] = {
         "controller": traffic.build_controller_fmu,
         "plant": traffic.build_plant_fmu,
-        "leader": traffic.build_leader_fmu,
+        "leader": partial(traffic.build_leader_fmu, profile=options.profile),
     }
     return makers[options.component](options.vehicles, options.output)
 

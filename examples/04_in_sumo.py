@@ -8,18 +8,20 @@ from tempfile import TemporaryDirectory
 
 from build_fmu import main as build
 from psp_traffic.compare import compare
-from psp_traffic.measures import Measures, table
+from psp_traffic.measures import Measures
+from psp_traffic.results import Results
 from psp_traffic.scenario import highway
+from psp_traffic.summary import table
 
 
-def main(duration: float = 60.0) -> dict[str, Measures]:
+def main(duration: float = 60.0) -> dict[str, list[Measures]]:
     """Seven vehicles from a start of the paper's, driven by the controller FMU and by SUMO's models.
 
-    Needs `pip install 'psp-platoon[sumo]'`; `psp sumo` shows the ramp and the stop-and-go wave, too.
+    Needs `pip install 'psp-platoon[sumo]'`; `psp sumo` shows the ramp, the stop-and-go wave and the WLTC, too.
     """
     with TemporaryDirectory() as folder:
         build(["--component", "controller", "--output", folder])
-        rows = compare(highway(duration=duration), Path(folder) / "PspController.fmu", seed=1)
+        rows = compare({1: highway(seed=1, duration=duration)}, Path(folder) / "PspController.fmu", Results())
     print(table(rows))
     return rows
 

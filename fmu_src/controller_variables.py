@@ -125,13 +125,21 @@ def plant_table(vehicles: int) -> tuple[Variable, ...]:
     return (*parameters, *accelerations, *motion)
 
 
-def leader_table() -> tuple[Variable, ...]:
+def leader_table(profile: bool = False) -> tuple[Variable, ...]:
     """The variables of `PspLeader`: a leader's speed over time.
+
+    Parameters
+    ----------
+    profile : whether the FMU carries a speed profile, which takes the place of the wave
 
     Returns
     -------
     tuple of Variable (ours)
     """
+    speed = Variable("v", "Speed of the leader", "m/s", nominal=30, continuous=True)
+    if profile:
+        text = "When the profile's time 0 is; outside the profile its first or last speed is held"
+        return Variable("begin", text, "s", 0.0, nominal=10), speed
     wave = Wave()
     return (
         Variable("v_high", "Speed before and at the top of the wave", "m/s", wave.high, 0, nominal=30),
@@ -140,5 +148,5 @@ def leader_table() -> tuple[Variable, ...]:
         ),
         Variable("begin", "When the first braking begins", "s", wave.begin, nominal=10),
         Variable("period", "Period of the wave, above 0", "s", wave.period, 0, nominal=40),
-        Variable("v", "Speed of the leader", "m/s", nominal=30, continuous=True),
+        speed,
     )

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from psp_model.leader import read_profile
+
 from .controller_variables import controller_table, leader_table, plant_table
 from .python_runtime import NEEDS, NetworkFile, network_for, pack_slave
 
@@ -83,17 +85,29 @@ def build_plant_fmu(vehicles: int, output: Path) -> Path:
     return pack_slave("PspPlant", description, plant_table(vehicles), {"vehicles": vehicles}, [], [NEEDS], output)
 
 
-def build_leader_fmu(vehicles: int, output: Path) -> Path:
+def build_leader_fmu(vehicles: int, output: Path, profile: Path | None = None) -> Path:
     """Write PspLeader.fmu.
 
     Parameters
     ----------
     vehicles : of the platoon that follows; says nothing here
     output : folder
+    profile : CSV file of a speed profile to drive instead of the wave
 
     Returns
     -------
     path of the FMU
+
+    Raises
+    ------
+    ModelError : where the profile is none
     """
     description = "The speed of a leader, steady or on a stop-and-go wave"
-    return pack_slave("PspLeader", description, leader_table(), {"vehicles": vehicles}, [], [NEEDS], output)
+    config: dict[str, Any] = {"vehicles": vehicles}
+    more = {}
+    if profile is not None:
+        read_profile(profile)
+        description = f"The speed of a leader who follows {profile.name}"
+        config["profile"] = "profile.csv"
+        more = {"resources/profile.csv": profile.read_bytes()}
+    return pack_slave("PspLeader", description, leader_table(profile is not None), config, [], [NEEDS], output, more)

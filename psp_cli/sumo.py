@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -150,8 +150,10 @@ def _sweep(
     names: Sequence[str], fmu: Path, seeds: Sequence[int], duration: float | None, results: Results, plot: Path | None
 ) -> None:
     from psp_traffic.compare import situation
-    from psp_traffic.sweep import DELAYS, DURATIONS, LAGS, sweep, sweep_text
+    from psp_traffic.sweep import DELAYS, DURATIONS, LAGS, sweep, sweep_text, title
+    from psp_view.traffic import draw_tolerance
 
+    from .options import command_line
     from .progress import steps_done
 
     parts = []
@@ -159,5 +161,35 @@ def _sweep(
         for name in names:
             found = {seed: situation(name, seed, duration or DURATIONS[name]) for seed in seeds}
             tolerances = sweep(found, fmu, results, progress=progress)
-            parts.append(f"**{name}**, {len(seeds)} starts\n\n{sweep_text(tolerances)}")
+            if plot is not None:
+                _save(draw_tolerance(tolerances, title(name, len(seeds)), command_line()), plot)
+            parts.append(f"**{title(name, len(seeds))}**\n\n{sweep_text(tolerances)}")
     typer.echo("\n\n".join(parts))
+
+
+def _draw_gaps(name: str, fmu: Path, seed: int, duration: float | None, leader: Profile | None, plot: Path) -> None:
+    """One run of each driver from one start, as a picture."""
+    from psp_traffic.compare import drivers, situation
+    from psp_traffic.simulation import simulate
+    from psp_view.traffic import draw_following
+
+    from .options import command_line
+    from .progress import steps_done
+
+    scenario = situation(name, seed, duration, leader)
+    wanted = drivers(fmu, scenario.leader is not None)
+    records = {}
+    with steps_done("runs to draw", len(wanted)) as progress:
+        for driver in wanted:
+            records[driver.name] = simulate(scenario, driver, seed=seed, to_contact=True)
+            progress()
+    _save(draw_following(records, scenario.duration, f"{name}, start {seed}", command_line()), plot)
+
+
+def _save(figure: Any, path: Path) -> None:
+    from psp_view.style import save
+
+    from .options import command_line
+
+    for file in save(figure, path, command_line()):
+        typer.echo(file, err=True)

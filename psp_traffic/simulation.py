@@ -21,6 +21,7 @@ from .scenario import LENGTH, Scenario
 
 JOIN_ROOM, LANE_CHANGE_ROOM = 1.0, 3.0  # [m] free behind and ahead beyond L: to be counted in, to change lanes
 
+_EASE = 1.0  # [m/s2] at which SUMO's drivers who start faster than v_star are let down to it
 _DESIRED = (0.1, 34.9)  # [m/s] desired speeds lie strictly between 0 and v_max
 
 
@@ -148,6 +149,8 @@ class _Run:
                 sumo.vehicle.setSpeed("0", self.scenario.leader.speed((k + 1) * self.step))
             if self.platoon is not None:
                 self._control(time[k], x[k], v[k], road[k])
+            else:
+                self._ease(time[k] + self.step, v[0])
             if to_contact and np.diff(np.sort(x[k, road[k]])).min() <= LENGTH:
                 done = k + 1
                 break
@@ -164,10 +167,15 @@ class _Run:
             vehicle.setLaneChangeMode(name, 1621 if self.platoon is None else 0)
             if self.platoon is not None:
                 vehicle.setSpeedMode(name, 0)
-            else:
-                vehicle.setMaxSpeed(name, self.scenario.v_star)  # only now: some start faster
         if self.scenario.leader is not None:
             vehicle.setSpeedMode("0", 0)
+
+    def _ease(self, time: float, v_start: Vector) -> None:
+        """Lower the speed that SUMO's drivers want to v_star: of itself SUMO brakes at 9 m/s2 whoever is faster."""
+        for name, speed in zip(self.names, v_start, strict=True):
+            before, now = (speed - _EASE * at for at in (time - self.step, time))
+            if time <= self.step or before > self.scenario.v_star:
+                self.sumo.vehicle.setMaxSpeed(name, max(now, self.scenario.v_star))
 
     def _control(self, time: float, x: Vector, v: Vector, on_road: NDArray[np.bool_]) -> None:
         """Measure, ask the controller, and set the speeds that its accelerations lead to within a step."""

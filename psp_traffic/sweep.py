@@ -151,8 +151,8 @@ def of_sweep(runs: Mapping[str, Row], scenario: str) -> dict[Case, Tolerance]:
 def tolerance_table(found: Mapping[Case, Tolerance], driver: str) -> str:
     """A Markdown table: delays down, lags across.
 
-    A cell says in how many starts vehicles touched and when the first contact or violation came; where none touched, the
-    least free gap.
+    A cell says in how many starts vehicles touched and when the first contact or violation came; where none touched,
+    the least free gap.
 
     Parameters
     ----------
@@ -191,6 +191,17 @@ def warnings(found: Mapping[Case, Tolerance], driver: str) -> tuple[int, int, li
     touched = [trial for trial in trials if np.isfinite(trial.contact)]
     times = sorted(trial.contact - trial.violation for trial in touched if trial.violation < trial.contact)
     return len(touched), len(touched) - len(times), times
+
+
+def title(scenario: str, starts: int) -> str:
+    """The heading of a sweep.
+
+    Parameters
+    ----------
+    scenario : name of the situation
+    starts : how many there are
+    """
+    return f"{scenario}, starts: {starts}"
 
 
 def sweep_text(found: Mapping[Case, Tolerance]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -11,12 +12,16 @@ import pytest
 
 from psp_model import PlatoonState, PotentialParameters, simulate
 from psp_traffic.driver import Driver, controllers, sumo_drivers
-from psp_traffic.measures import gaps, measure
-from psp_traffic.scenario import Scenario, highway, ramp, stop_and_go, wave_speed
+from psp_traffic.measures import Measures, contact, gaps, measure
+from psp_traffic.results import Results
+from psp_traffic.scenario import STOP_AND_GO, Scenario, highway, highway_apart, on_profile, ramp, stop_and_go
 from psp_traffic.simulation import Disturbance, Record
 from psp_traffic.simulation import simulate as drive
+from psp_traffic.summary import table
+from psp_traffic.sweep import of_sweep, sweep, sweep_text
 
 pytest.importorskip("libsumo")
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
@@ -57,16 +62,18 @@ def test_vehicles_from_the_ramp_join_the_platoon_and_nobody_collides(fmu):
     assert measures.collisions == 0 and measures.gap_min > 0
 
 
-def test_on_the_wave_the_leader_drives_the_profile(fmu):
-    scenario = stop_and_go(duration=20.0)
-    for driver in (controllers(fmu, wave=True)[2], sumo_drivers()[0]):
-        record = drive(scenario, driver)
-        expected = [wave_speed(t) for t in record.time]
-        np.testing.assert_allclose(record.v[:, 0], expected, atol=1e-6)
+def test_a_leader_drives_its_own_speed_whoever_follows(fmu):
+    wltc = np.loadtxt(ROOT / "psp_traffic/profiles/wltc_high.csv", delimiter=",", comments=("#", "time"))
+    for driver in (controllers(fmu, led=True)[2], sumo_drivers()[0]):
+        record = drive(stop_and_go(duration=13.0), driver)
+        np.testing.assert_allclose(record.v[:, 0], [STOP_AND_GO.speed(t) for t in record.time], atol=1e-6)
+        record = drive(on_profile(duration=8.0), driver)
+        np.testing.assert_allclose(record.v[:, 0], np.interp(record.time, *wltc.T), atol=1e-6)
+        assert measure(record, on_profile()).collisions == 0
 
 
 def test_a_delay_of_half_a_second_is_felt(fmu):
-    scenario = highway(duration=20.0)
+    scenario = highway(duration=6.0)
     plain, late = drive(scenario, v_new(fmu)), drive(scenario, v_new(fmu), disturbance=Disturbance(delay=0.5))
     assert measure(late, scenario).a_rms > measure(plain, scenario).a_rms
     lazy = drive(scenario, v_new(fmu), disturbance=Disturbance(lag=0.5))
@@ -85,7 +92,8 @@ def test_measures_of_a_run_made_by_hand():
     np.testing.assert_allclose(closing[:120], 2.0)
     assert (pairs == [0, 1]).all()
     measures = measure(record, scenario)
-    assert measures.collisions == 1 and np.isnan(measures.settling)
+    assert measures.collisions == 1 and np.isinf(measures.settling)
+    assert contact(record) == pytest.approx(10.0)
     assert measures.gap_min == 0.0
     np.testing.assert_allclose(measures.ttc_min, 0.1, atol=1e-6)
     np.testing.assert_allclose(measures.co2, 22.0 / (1e-3 * (20.0 + 22.0) * 19.9))
@@ -94,20 +102,64 @@ def test_measures_of_a_run_made_by_hand():
     np.testing.assert_allclose(apart.gap_min, 120.0 - 2 * 19.9)
 
 
-def test_the_command_line_shows_a_table(fmu, capsys):
+def test_nobody_brakes_hard_only_because_he_starts_fast():
+    scenario = highway_apart(duration=6.0)
+    assert scenario.v.max() > 32
+    record = drive(scenario, sumo_drivers()[1])
+    assert np.diff(record.v, axis=0).min() / 0.01 > -3.0 and record.v[-1].max() < 30.1
+
+
+def psp(*arguments: object):
     from typer.testing import CliRunner
 
     from psp_cli.main import app
 
-    ran = CliRunner().invoke(app, ["sumo", "highway", "--fmu", str(fmu), "--duration", "15"])
+    return CliRunner().invoke(app, ["sumo", *map(str, arguments)])
+
+
+def test_the_command_line_keeps_its_runs_and_goes_on_from_them(fmu, tmp_path):
+    kept = tmp_path / "runs.json"
+    options = ("highway-apart", "--fmu", fmu, "--duration", "15", "--starts", "1", "--output", kept)
+    ran = psp(*options)
     assert ran.exit_code == 0, ran.output
-    rows = [line for line in ran.output.splitlines() if line.startswith(("| V_", "| IDM", "| ACC", "| CACC"))]
+    rows = [line for line in ran.stdout.splitlines() if line.startswith(("| V_", "| IDM", "| ACC", "| CACC"))]
     assert len(rows) == 5
+    made = json.loads(kept.read_text())
+    fewer = {name: run for name, run in made["runs"].items() if "IDM" not in name}
+    assert len(fewer) == 4 and made["settings"]["duration"] == 15
+    kept.write_text(json.dumps(made | {"runs": fewer}))
+    assert psp(*options).stdout == ran.stdout
+    assert json.loads(kept.read_text())["runs"] == made["runs"]
+    ran = psp(*options[:4], "16", *options[5:])
+    assert ran.exit_code == 2 and "other settings (duration)" in ran.output and kept.read_text() != ""
+    kept.write_text("[]")
+    ran = psp(*options)
+    assert ran.exit_code == 2 and "holds no results" in ran.output and kept.read_text() == "[]"
+
+
+def test_a_sweep_ends_each_run_at_the_first_contact(fmu):
+    starts = {1: highway(seed=1, duration=6.0)}
+    runs = Results()
+    found = sweep(starts, fmu, runs, delays=(0.0, 0.5), lags=(0.0, 0.8))
+    kind, bad = found["V_new", 0.0, 0.0], found["V_old", 0.5, 0.8]
+    assert (kind.collided, kind.violated, kind.first) == (0, 0, np.inf) and kind.gap_min > 1
+    assert (bad.collided, bad.gap_min) == (1, 0.0) and bad.first < 3
+    assert of_sweep(runs.runs, "highway") == found
+    lines = sweep_text(found).splitlines()
+    assert "| **0.5 s** |" in "\n".join(lines) and sum("1 of 1" in line for line in lines) >= 1
+
+
+def test_several_starts_become_one_row():
+    good = Measures(0, 2.0, 3.0, 1.0, 0.5, 1.0, 0.5, 5000.0, 20.0, 4.0, np.nan, 150.0, 50.0)
+    bad = replace(good, collisions=2, gap_min=0.0, capacity=1000.0, settling=np.inf)
+    (row,) = table({"V_new": [good, bad]}).splitlines()[2:]
+    assert row.startswith("| V_new | 2 (in 1 of 2) | 1.00 (0.00) | 3.00 (3.00) |")
+    assert "| 3000 (1000) |" in row and "| 4.0 (never) | - |" in row
 
 
 def test_the_example_runs(capsys):
-    spec = spec_from_file_location("in_sumo", Path(__file__).parents[2] / "examples" / "04_in_sumo.py")
+    spec = spec_from_file_location("in_sumo", ROOT / "examples" / "04_in_sumo.py")
     module = module_from_spec(spec)
     spec.loader.exec_module(module)
     rows = module.main(15.0)
-    assert rows["V_new"].collisions == 0 and "| CACC |" in capsys.readouterr().out
+    assert rows["V_new"][0].collisions == 0 and "| CACC |" in capsys.readouterr().out
