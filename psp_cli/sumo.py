@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -31,7 +31,10 @@ class Situation(StrEnum):
 
 def sumo(
     situation: Annotated[Situation, typer.Argument(help="What happens on the road.")] = Situation.ALL,
-    fmu: Annotated[Path | None, typer.Option(metavar="FILE.fmu", help="PspController.fmu; built if not given.")] = None,
+    fmu: Annotated[Path | None, typer.Option(metavar="FILE.fmu", help="A controller FMU; built if not given.")] = None,
+    runtime: Annotated[
+        Literal["python", "native"], typer.Option(help="Of the controller that is built; native is faster.")
+    ] = "python",
     seed: Annotated[int, typer.Option(help="Of the first start; the others count on from it.", min=0)] = 1,
     starts: Annotated[
         int | None, typer.Option(help="How many. [default: 5, of a sweep 20]", min=1, show_default=False)
@@ -65,7 +68,7 @@ def sumo(
         raise BadInput("--plot draws one situation: name one of " + ", ".join(names))
     seeds = range(seed, seed + (starts or (_SWEEP_STARTS if sweep else _STARTS)))
     with TemporaryDirectory() as folder:
-        used = fmu or _built(Path(folder))
+        used = fmu or _built(Path(folder), runtime)
         results = _results(output, used, profile, duration, sweep)
         leader = _leader(profile)
         if sweep:
@@ -88,10 +91,14 @@ def _situations(situation: Situation, sweep: bool) -> list[str]:
     return [situation.value]
 
 
-def _built(folder: Path) -> Path:
-    from fmu_src.traffic_runtime import build_controller_fmu
+def _built(folder: Path, runtime: str) -> Path:
+    import build_fmu
 
-    return build_controller_fmu(7, folder)
+    arguments = ["--component", "controller", "--runtime", runtime, "--output", str(folder)]
+    try:
+        return build_fmu.build(build_fmu.parse(arguments), None)
+    except RuntimeError as error:
+        raise BadInput(str(error)) from None
 
 
 def _leader(profile: Path | None) -> Profile | None:
@@ -116,8 +123,6 @@ def _results(output: Path | None, fmu: Path, profile: Path | None, duration: flo
         "profile": digest(profile or WLTC_HIGH) if profile is None or profile.exists() else None,
         "sumo": version("libsumo"),
     }
-    if output is not None:
-        output.parent.mkdir(parents=True, exist_ok=True)
     try:
         return Results(output, settings, command_line())
     except ResultsError as error:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable, Mapping
 from hashlib import sha256
 from math import isfinite
 from pathlib import Path
+
+from psp_model.offline.whole_file import write_whole
 
 Row = dict[str, float]
 
@@ -71,9 +72,7 @@ class Results:
             return
         lines = [f"  {json.dumps(name)}: {json.dumps(_plain(row))}" for name, row in self.runs.items()]
         text = f'{{\n "command": {json.dumps(self.command)},\n "settings": {json.dumps(self.settings)},\n "runs": {{\n'
-        part = self.path.with_name(self.path.name + ".part")
-        part.write_text(text + ",\n".join(lines) + "\n }\n}\n", encoding="utf-8")
-        os.replace(part, self.path)
+        write_whole(self.path, text + ",\n".join(lines) + "\n }\n}\n")
 
 
 def _plain(row: Row) -> dict[str, float | str]:
