@@ -1,0 +1,7 @@
+"""`python -m torture`."""
+
+import sys
+
+from .runner import main
+
+sys.exit(main())
