@@ -41,7 +41,7 @@ class Instance:
             instanceName=name,
         )
         self.callbacks = fmi2CallbackFunctions()
-        self.callbacks.logger = fmi2CallbackLoggerTYPE(self._log)
+        self.callbacks.logger = fmi2CallbackLoggerTYPE(lambda *said: self._log(*said))
         self.callbacks.allocateMemory = defaultCallbacks.allocateMemory
         self.callbacks.freeMemory = defaultCallbacks.freeMemory
         addLoggerProxy(byref(self.callbacks))  # turns format and arguments into text

@@ -54,6 +54,7 @@ struct Front {
     uint64_t identity;   /* hash of the GUID, so that states of other builds are refused */
     Progress progress;
     fmi2Status worst; /* worst status logged during the current call */
+    int32_t busy;     /* a call is running (1), and another one is being refused (2); see front_enter */
     SavedState *states;
     Backend *backend;
 };

@@ -82,16 +82,53 @@ static const char *remedy(uint32_t mode, Call call)
 
 const char *front_call_name(Call call) { return CALLS[call].name; }
 
+/* `busy` may be read by another thread than the one that wrote it; nothing is locked, as a lock would cost every call. */
+#if defined(__GNUC__)
+#define LOOK(flag) __atomic_load_n(&(flag), __ATOMIC_RELAXED)
+#define PUT(flag, value) __atomic_store_n(&(flag), value, __ATOMIC_RELAXED)
+static bool change(int32_t *flag, int32_t from, int32_t to)
+{
+    return __atomic_compare_exchange_n(flag, &from, to, false, __ATOMIC_RELAXED, __ATOMIC_RELAXED);
+}
+#else
+#define LOOK(flag) (*(volatile int32_t *)&(flag))
+#define PUT(flag, value) (*(volatile int32_t *)&(flag) = (value))
+static bool change(int32_t *flag, int32_t from, int32_t to)
+{
+    const bool changes = LOOK(*flag) == from;
+    if (changes) PUT(*flag, to);
+    return changes;
+}
+#endif
+
+/* A call while another one of the same instance is running, from its logger or from another thread: it is refused, so that
+ * nothing is freed under the running one's feet.  The running call's status is not touched. */
+static void refuse_second(Front *front, Call call)
+{
+    char text[256];
+    if (!front->logger || !change(&front->busy, 1, 2)) return; /* 2: the logger answers a refusal with yet another call */
+    snprintf(text, sizeof text, "%s was called while another call of this instance is running, and was refused: wait until "
+                                "that one returns", CALLS[call].name);
+    front->logger(front->environment, front->name, fmi2Error, "logStatusError", "%s", text);
+    change(&front->busy, 2, 1); /* unless the running call has ended meanwhile */
+}
+
 Front *front_enter(fmi2Component c, Call call, fmi2Status *refusal)
 {
     Front *front = c;
     *refusal = fmi2Error;
     if (!front || front->magic != PSP_MAGIC) return NULL; /* not ours, or freed: nobody to tell */
+    if (LOOK(front->busy)) {
+        refuse_second(front, call);
+        return NULL;
+    }
+    PUT(front->busy, 1);
     front->worst = fmi2OK;
     const uint32_t mode = front->progress.mode;
     if (CALLS[call].modes & mode) return front;
     front_log(front, fmi2Error, "%s was called in state '%s', where it is not allowed: %s", CALLS[call].name,
               mode_name(mode), remedy(mode, call));
+    PUT(front->busy, 0);
     /* nothing has happened, so the state stays: a tool that asks too early can still go on as it should */
     *refusal = mode == IN_FATAL ? fmi2Fatal : fmi2Error;
     return NULL;
@@ -102,6 +139,7 @@ fmi2Status front_leave(Front *front, fmi2Status status)
     if (front->worst > status) status = front->worst;
     if (status == fmi2Error && front->progress.mode != IN_FATAL) front->progress.mode = IN_ERROR;
     if (status == fmi2Fatal) front->progress.mode = IN_FATAL;
+    PUT(front->busy, 0);
     return status;
 }
 

@@ -246,3 +246,23 @@ def test_instances_do_not_disturb_each_other(native_fmu):
     assert not np.allclose(second.outputs(), expected)
     first.close()
     second.close()
+
+
+@pytest.mark.parametrize("function", ["fmi2FreeInstance", "fmi2Reset", "fmi2DoStep"])
+def test_a_call_from_the_logger_of_a_running_call_is_refused(instance, function):
+    """Freeing an instance from its own logger, in the middle of a step, would free it under the step's feet."""
+    heard, keep = [], instance._log
+
+    def log(environment, name, status, category, message):
+        heard.append(message.decode())
+        keep(environment, name, status, category, message)
+        arguments = (c_double(0.0), c_double(0.01), c_int(1)) if function == "fmi2DoStep" else ()
+        getattr(instance.slave.dll, function)(c_void_p(instance.slave.component), *arguments)
+
+    instance._log = log
+    _bring_to(instance, "stepped")
+    assert instance.step(0.0, -1.0) == ERROR
+    assert len(heard) == 2 and f"{function} was called while another call" in heard[1]
+    instance._log = keep
+    assert instance.call("fmi2Reset") == OK and instance.initialise({"parameter_source": 2}) == OK
+    assert instance.step(0.0, 0.01) == OK
