@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import psp_model
-from psp_model.network import ParameterNetwork
+from psp_model.network import ParameterNetwork, network_path
 
 from .documentation import index_page
 from .ecosystem import layered_standard, reference_results
@@ -76,7 +76,7 @@ class NetworkFile:
 
 
 def network_for(vehicles: int, path: Path | None = None) -> NetworkFile | None:
-    """The network for n vehicles: the given file, else onnx/platoon_n.onnx of this project, else None.
+    """The network for n vehicles: the given file, else this project's for n or for any number, else None.
 
     Parameters
     ----------
@@ -87,10 +87,9 @@ def network_for(vehicles: int, path: Path | None = None) -> NetworkFile | None:
     ------
     ModelError : where a file is unreadable or made for another number of vehicles
     """
+    path = path or network_path(vehicles, Path(__file__).parents[1] / "onnx")
     if path is None:
-        path = Path(__file__).parents[1] / "onnx" / f"platoon_{vehicles}.onnx"
-        if not path.exists():
-            return None
+        return None
     network = ParameterNetwork(path)
     network.require_vehicles(vehicles)
     return NetworkFile(path.name, path.read_bytes(), network.domain.as_dict(), dict(vars(network.constants)), network)

@@ -11,12 +11,19 @@ import typer
 from .bad_input import BadInput
 
 if TYPE_CHECKING:
-    from psp_model.offline.evaluate import Judge
+    from psp_model.network import ParameterNetwork
+    from psp_model.offline.evaluate import Evaluation, Judge
     from psp_model.offline.parquet import Dataset
 
 
 def evaluate(
-    data: Annotated[Path, typer.Option(help="Data set from psp dataset, of other starts than trained on.")],
+    data: Annotated[
+        list[Path],
+        typer.Option(
+            help="Data set from psp dataset, of other starts than trained on; several, one for each number of "
+            "vehicles, give a table by number."
+        ),
+    ],
     network: Annotated[list[Path], typer.Option(help="ONNX file; repeat for several.")],
     rollouts: Annotated[str, typer.Option(help="Numbers of rollouts to judge ranking networks with.")] = "8,16,32",
     starts: Annotated[int | None, typer.Option(help="Use the first so many starts only.", min=1)] = None,
@@ -27,46 +34,69 @@ def evaluate(
     card: Annotated[bool, typer.Option("--card", help="Write the first network's model card beside it.")] = False,
 ) -> None:
     """Judge networks by closed-loop regret: table, picture, and a model card where asked for."""
+    from psp_model.offline.parquet import read_dataset
+
+    from .train import widths
+
+    found = [read_dataset(path).first(starts) for path in data]
+    judged = [_judge(each, network, widths(rollouts), ipopt, several=len(found) > 1) for each in found]
+    _report(judged, network[0], output, card)
+
+
+def _judge(data: Dataset, networks: list[Path], rollouts: tuple[int, ...], ipopt: int, several: bool) -> Evaluation:
+    """Judge all networks on one data set; with several data sets, those that are for its number of vehicles."""
+    from psp_model.network import ParameterNetwork
+    from psp_model.offline.evaluate import Judge
+
+    judge = Judge(data)
+    for path in networks:
+        found = ParameterNetwork(path)
+        if several and data.problem.vehicles not in found.vehicles:
+            continue
+        name = "network for n alone" if several and len(found.vehicles) == 1 else path.stem
+        _judge_network(judge, name, found, data, rollouts)
+    if ipopt:
+        _judge_ipopt(judge, data, ipopt)
+    return judge.evaluation
+
+
+def _report(judged: list[Evaluation], network: Path, output: Path, card: bool) -> None:
+    """Write table, picture and perhaps the card, and show the table."""
     import json
 
     from rich.console import Console
     from rich.markdown import Markdown
 
-    from psp_model.offline.evaluate import Judge, as_dict, as_markdown, picture
+    from psp_model.offline.by_number import by_number_dict, regret_markdown, regret_picture
+    from psp_model.offline.evaluate import as_dict, as_markdown, picture
     from psp_model.offline.model_card import write_card
-    from psp_model.offline.parquet import read_dataset
     from psp_model.offline.whole_file import write_whole
 
-    from .train import widths
-
-    found = read_dataset(data).first(starts)
-    judge = Judge(found)
-    for path in network:
-        _judge_network(judge, path, found, widths(rollouts))
-    if ipopt:
-        _judge_ipopt(judge, found, ipopt)
     command = "psp " + " ".join(sys.argv[1:])
-    stem = network[0].stem
-    found_out = json.dumps(as_dict(judge.evaluation) | {"command": command}, indent=1)
-    write_whole(output / f"{stem}.json", found_out + "\n")
-    picture(judge.evaluation, output / f"{stem}.png", command)
-    Console(width=160).print(Markdown(as_markdown(judge.evaluation.scores)))
-    typer.echo(output / f"{stem}.png")
+    image = output / f"{network.stem}.png"
+    if len(judged) == 1:
+        table, content = as_markdown(judged[0].scores), as_dict(judged[0])
+        picture(judged[0], image, command)
+    else:
+        table, content = regret_markdown(judged), by_number_dict(judged)
+        regret_picture(judged, image, command)
+    write_whole(output / f"{network.stem}.json", json.dumps(content | {"command": command}, indent=1) + "\n")
+    Console(width=160).print(Markdown(table))
+    typer.echo(image)
     if card:
-        typer.echo(write_card(network[0], judge.evaluation, command))
+        typer.echo(write_card(network, judged, command))
 
 
-def _judge_network(judge: Judge, path: Path, data: Dataset, rollouts: tuple[int, ...]) -> None:
+def _judge_network(
+    judge: Judge, name: str, network: ParameterNetwork, data: Dataset, rollouts: tuple[int, ...]
+) -> None:
     """Judge a network alone, and with rollouts where it ranks candidates."""
-    from psp_model.network import ParameterNetwork
-
-    found = ParameterNetwork(path)
-    if found.trained_on == data.sha256:
-        raise BadInput(f"{path} was trained on this very data set: evaluate it on one with another seed")
-    judge.network(path.stem, found)
-    if found.ranks:
+    if data.sha256 in network.trained_on:
+        raise BadInput(f"{network.path} was trained on this very data set: evaluate it on one with another seed")
+    judge.network(name, network)
+    if network.ranks:
         for count in rollouts:
-            judge.rollout(f"{path.stem}, best of {count} by rollout", found, count)
+            judge.rollout(f"{name}, best of {count} by rollout", network, count)
 
 
 def _judge_ipopt(judge: Judge, data: Dataset, count: int) -> None:

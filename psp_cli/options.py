@@ -72,17 +72,17 @@ def gather(
 
 
 def network_file(vehicles: int, path: Path | None) -> ParameterNetwork | None:
-    """The network for n vehicles: the given file, else onnx/platoon_n.onnx of this project, else None.
+    """The network for n vehicles: the given file, else this project's for n or for any number, else None.
 
     Parameters
     ----------
     vehicles : n
     path : a network of the user's own
     """
-    from psp_model.network import ParameterNetwork
+    from psp_model.network import ParameterNetwork, network_path
 
-    path = path or Path(__file__).parents[1] / "onnx" / f"platoon_{vehicles}.onnx"
-    if not path.exists() and path.parent.name == "onnx":
+    path = path or network_path(vehicles, Path(__file__).parents[1] / "onnx")
+    if path is None:
         return None
     network = ParameterNetwork(path)
     network.require_vehicles(vehicles)

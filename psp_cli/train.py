@@ -11,15 +11,23 @@ import typer
 from .bad_input import BadInput
 
 if TYPE_CHECKING:
-    from psp_model.offline.parquet import Dataset
+    from psp_model.offline.mixture import Mixture
     from psp_model.offline.recipes import Recipe
 
 
 def train(
-    data: Annotated[Path, typer.Option(help="Data set from psp dataset.")],
+    data: Annotated[
+        list[Path], typer.Option(help="Data set from psp dataset; repeat for several numbers of vehicles.")
+    ],
     output: Annotated[Path, typer.Option("--output", "-o", help="ONNX file.")],
-    recipe: Annotated[str, typer.Option(help="mse, the paper's, or cost, on what the answers cost.")] = "cost",
-    hidden: Annotated[str, typer.Option(help="Widths of the hidden layers.")] = "32,16",
+    recipe: Annotated[
+        str,
+        typer.Option(help="mse, the paper's; cost, on what the answers cost; or any, cost for any number of vehicles."),
+    ] = "cost",
+    hidden: Annotated[
+        str | None, typer.Option(help="Widths of the hidden layers. [default: the recipe's]", show_default=False)
+    ] = None,
+    most: Annotated[int | None, typer.Option(help="Use the first so many starts of each data set only.", min=1)] = None,
     epochs: Annotated[int | None, typer.Option(help="Most epochs. [default: the recipe's]", min=1)] = None,
     seed: Annotated[int, typer.Option(help="Seed of weights, split and batches.", min=0)] = 0,
     candidates: Annotated[int, typer.Option(help="Candidates to rank for parameter_source 3; 0: none.", min=0)] = 0,
@@ -30,15 +38,18 @@ def train(
     """Train a network, check its ONNX file against the training framework, and draw its curves."""
     from dataclasses import replace
 
+    from psp_model.offline.mixture import Mixture
     from psp_model.offline.parquet import read_dataset
     from psp_model.offline.recipes import RECIPES
 
     if recipe not in RECIPES:
         raise BadInput(f"recipe {recipe!r} is not one of {', '.join(RECIPES)}: choose one of these")
-    chosen = replace(RECIPES[recipe], hidden=widths(hidden))
+    chosen = RECIPES[recipe]
+    if hidden:
+        chosen = replace(chosen, hidden=widths(hidden))
     if epochs:
         chosen = replace(chosen, schedule=replace(chosen.schedule, epochs=epochs))
-    found = read_dataset(data)
+    found = Mixture(tuple(read_dataset(path).first(most) for path in data))
     folder = curves or Path("out/training")
     files = _Files(output, folder, resume)
     _train(found, chosen, seed, files, candidates, widths(ranking_hidden))
@@ -80,7 +91,7 @@ def widths(text: str) -> tuple[int, ...]:
 
 
 def _train(
-    data: Dataset, recipe: Recipe, seed: int, files: _Files, candidates: int, ranking_hidden: tuple[int, ...]
+    data: Mixture, recipe: Recipe, seed: int, files: _Files, candidates: int, ranking_hidden: tuple[int, ...]
 ) -> None:
     from psp_model.offline.export import check_export
     from psp_model.offline.onnx_file import Provenance, write_network
@@ -99,11 +110,12 @@ def _train(
     if candidates:
         with epochs_done("ranking", 0) as watch:
             ranking, dictionary = train_ranking(
-                data, candidates, ranking_hidden, seed, files.checkpoint("ranking"), watch
+                data, parameters.structure, candidates, ranking_hidden, seed, files.checkpoint("ranking"), watch
             )
         curves(ranking.fit.history, ranking.fit.best_epoch, files.picture("ranking"), command, "cross entropy")
-    origin = Provenance(data.problem, data.domain, recipe.name, data.sha256, command, seed, data.command)
-    write_network(files.output, parameters.layers, origin, ranking and ranking.layers, dictionary)
+    numbers = data.vehicles if recipe.per_gap else None
+    origin = Provenance(data.problem, data.domain, recipe.name, data.sha256, command, seed, data.command, numbers)
+    write_network(files.output, parameters.layers, origin, ranking and ranking.layers, dictionary, parameters.structure)
     check_export(files.output, data, parameters, ranking)
 
 

@@ -49,10 +49,13 @@ SENTENCES = {
     "network_missing": "the network file %s cannot be read (%s): put it back, or use parameter_source 2",
     "network_damaged": "the network file %s is not a readable ONNX file: put an undamaged one in its place, or use "
     "parameter_source 2",
-    "network_shape": "the network file %s has inputs %s and outputs %s, but initial_condition [batch, 2n-1] and "
-    "parameters [batch, 3] are needed: export it as the design says, or use parameter_source 2",
-    "network_metadata": "the network file %s lacks readable psp_vehicles, psp_domain or psp_constants in its metadata: "
-    "export it with psp train, or use parameter_source 2",
+    "network_shape": "the network file %s has inputs %s and outputs %s, but initial_condition [batch, 2n-1], or gaps "
+    "[batch, n-1] and speeds [batch, n] for any n, and parameters [batch, 3] are needed: export it with psp train, or "
+    "use parameter_source 2",
+    "network_metadata": "the network file %s lacks readable psp_vehicles (or psp_vehicles_min and psp_vehicles_max), "
+    "psp_domain or psp_constants in its metadata: export it with psp train, or use parameter_source 2",
+    "network_range": "the network file %s is made for %d to %d vehicles, not for %d: use one for this platoon, or "
+    "parameter_source 2",
     "network_vehicles": "the network file %s is made for %d vehicles, not for %d: use the one for this platoon, or "
     "parameter_source 2",
     "fallback": "the initial state has %s: alpha = %.10g, r = %.10g m, p = %.10g are used instead of the network's",

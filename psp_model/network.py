@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -14,14 +15,18 @@ from .parameters import PlatoonParameters, PotentialParameters
 from .state import StartDomain
 
 INPUT, PARAMETERS, SCORES, DICTIONARY = "initial_condition", "parameters", "scores", "dictionary"
+GAPS, SPEEDS = "gaps", "speeds"
+ANY_NUMBER = "platoon_any.onnx"  # the network that serves where there is none for just that number of vehicles
 
 
 class ParameterNetwork:
     """A network in an ONNX file (paper, section IV; file format: ours, see the design).
 
-    Input `initial_condition` is float32 [batch, 2n-1], s_2..s_n [m] then v_1..v_n [m/s]; output `parameters` is float32
-    [batch, 3], alpha, r [m], p.  A network that also ranks candidates has the outputs `scores`, float32 [batch, K], and
-    `dictionary`, float32 [K, 3].  All scaling is inside.  The file is read when it is first needed.
+    A network for n vehicles has the input `initial_condition`, float32 [batch, 2n-1], s_2..s_n [m] then v_1..v_n [m/s].
+    A network for any number of vehicles between two bounds has the inputs `gaps`, float32 [batch, n-1], and `speeds`,
+    float32 [batch, n].  Output `parameters` is float32 [batch, 3], alpha, r [m], p.  A network that also ranks
+    candidates has the outputs `scores`, float32 [batch, K], and `dictionary`, float32 [K, 3].  All scaling is inside.
+    The file is read when it is first needed.
 
     Parameters
     ----------
@@ -58,17 +63,25 @@ class ParameterNetwork:
         inputs = {port.name: port.shape[1:] for port in session.get_inputs()}
         outputs = {port.name: port.shape[1:] for port in session.get_outputs()}
         columns = inputs.get(INPUT, [None])[-1]
-        fits = list(inputs) == [INPUT] and isinstance(columns, int) and columns >= 3 and columns % 2 == 1
-        if not fits or outputs.get(PARAMETERS) != [3]:
+        exact = list(inputs) == [INPUT] and isinstance(columns, int) and columns >= 3 and columns % 2 == 1
+        open_ended = all(len(sizes) == 1 and not isinstance(sizes[0], int) for sizes in inputs.values())
+        free = set(inputs) == {GAPS, SPEEDS} and open_ended
+        if not (exact or free) or outputs.get(PARAMETERS) != [3]:
             raise ModelError("network_shape", self.path.name, str(inputs), str(outputs))
+
+    @cached_property
+    def _columns(self) -> int | None:
+        """Width of `initial_condition`; None of a network for any number of vehicles."""
+        return {port.name: port.shape[1] for port in self._session.get_inputs()}.get(INPUT)
 
     @cached_property
     def _metadata(self) -> dict[str, Any]:
         """The metadata, with the JSON of what the model needs."""
         entries = self._session.get_modelmeta().custom_metadata_map
+        names = ("psp_vehicles", "psp_vehicles") if self._columns else ("psp_vehicles_min", "psp_vehicles_max")
         try:
             return {
-                "vehicles": int(entries["psp_vehicles"]),
+                "vehicles": range(int(entries[names[0]]), int(entries[names[1]]) + 1),
                 "domain": StartDomain(**json.loads(entries["psp_domain"])),
                 "constants": PlatoonParameters(**json.loads(entries["psp_constants"])),
             }
@@ -76,9 +89,10 @@ class ParameterNetwork:
             raise ModelError("network_metadata", self.path.name) from None
 
     @property
-    def vehicles(self) -> int:
-        """How many vehicles the network is for."""
-        return int(self._metadata["vehicles"])
+    def vehicles(self) -> range:
+        """The numbers of vehicles that the network is for."""
+        vehicles: range = self._metadata["vehicles"]
+        return vehicles
 
     @property
     def domain(self) -> StartDomain:
@@ -94,7 +108,7 @@ class ParameterNetwork:
 
     @property
     def trained_on(self) -> str:
-        """Content hash of the data set it was trained on; empty where the file does not say."""
+        """Content hashes of the data sets it was trained on; empty where the file does not say."""
         return str(self._session.get_modelmeta().custom_metadata_map.get("psp_data_sha256", ""))
 
     @property
@@ -113,14 +127,20 @@ class ParameterNetwork:
         ------
         ModelError : where it is not
         """
-        columns = self._session.get_inputs()[0].shape[1]
-        if self.vehicles != vehicles or columns != 2 * vehicles - 1:
-            raise ModelError("network_vehicles", self.path.name, (columns + 1) // 2, vehicles)
+        made_for = self.vehicles
+        if self._columns is None and vehicles not in made_for:
+            raise ModelError("network_range", self.path.name, made_for.start, made_for.stop - 1, vehicles)
+        if self._columns and (vehicles not in made_for or self._columns != 2 * vehicles - 1):
+            raise ModelError("network_vehicles", self.path.name, (self._columns + 1) // 2, vehicles)
 
     def _run(self, outputs: list[str], s: Any, v: Any) -> list[Any]:
         self.require_vehicles(len(v))
-        row = np.concatenate([s, v]).astype(np.float32)[None, :]
-        return list(self._session.run(outputs, {INPUT: row}))
+        gaps, speeds = (np.asarray(part, dtype=np.float32)[None, :] for part in (s, v))
+        inputs = {INPUT: np.concatenate([gaps, speeds], axis=1)} if self._columns else {GAPS: gaps, SPEEDS: speeds}
+        try:
+            return list(self._session.run(outputs, inputs))
+        except Exception:  # onnxruntime's own: a graph that contradicts its shapes
+            raise ModelError("network_damaged", self.path.name) from None
 
     def evaluate(self, s: Any, v: Any) -> PotentialParameters:
         """What the network returns for a start, before projection (paper, section IV).
@@ -159,3 +179,33 @@ class ParameterNetwork:
         raw, scores, dictionary = self._run([PARAMETERS, SCORES, DICTIONARY], s, v)
         best = np.argsort(-scores[0], kind="stable")[: count - 1]
         return [PotentialParameters(*map(float, row)) for row in (raw[0], *dictionary[best])]
+
+
+def read_networks(folder: Path, names: Mapping[int, str]) -> dict[int, ParameterNetwork]:
+    """Networks by number of vehicles, each file read once however many numbers it serves.
+
+    Parameters
+    ----------
+    folder : where the files are
+    names : of the files, by number of vehicles
+    """
+    networks = {name: ParameterNetwork(folder / name) for name in set(names.values())}
+    return {int(n): networks[name] for n, name in names.items()}
+
+
+def network_path(vehicles: int, folder: Path) -> Path | None:
+    """The file in a folder that serves n vehicles: platoon_n.onnx, else platoon_any.onnx, else None (ours).
+
+    Parameters
+    ----------
+    vehicles : n
+    folder : with the networks
+
+    Raises
+    ------
+    ModelError : where platoon_any.onnx cannot be read
+    """
+    exact, free = folder / f"platoon_{vehicles}.onnx", folder / ANY_NUMBER
+    if exact.exists():
+        return exact
+    return free if free.exists() and vehicles in ParameterNetwork(free).vehicles else None

@@ -8,18 +8,15 @@ from itertools import groupby
 from typing import Any
 
 import numpy as np
-from onnx.helper import get_attribute_value
 
 import onnx
-from onnx import numpy_helper
 from psp_model.errors import SENTENCES
-from psp_model.network import DICTIONARY, INPUT, PARAMETERS, SCORES
+from psp_model.network import DICTIONARY, PARAMETERS, SCORES
 from psp_model.parameters import ALPHA_MAX, ALPHA_MIN, P_MAX, P_MIN
 
 from ..python_runtime import NetworkFile
 from ..variables import Variable
-
-Layer = tuple[Any, Any, bool]  # weights (rows, columns), bias (rows,), whether a Relu follows
+from .onnx_graph import Chain, Layer, candidates, chain_to
 
 
 def _text(value: str) -> str:
@@ -71,69 +68,45 @@ def model_header(
     return "/* Written by fmu_src/native/tables.py. */\n" + "\n".join([*lines, "", "#endif", ""])
 
 
-def _chain(graph: Any, output: str) -> list[Layer]:
-    """The layers from the graph's input to `output`, which must be a plain chain of Gemm and Relu."""
-    constants = {tensor.name: numpy_helper.to_array(tensor) for tensor in graph.initializer}
-    made_by = {name: node for node in graph.node for name in node.output}
-    layers: list[Layer] = []
-    name, relu = output, False
-    while name != INPUT:
-        node = made_by[name]
-        if node.op_type == "Gemm":
-            attributes = {a.name: get_attribute_value(a) for a in node.attribute}
-            weights = constants[node.input[1]]
-            if attributes.pop("transB", 0) == 0:
-                weights = weights.T
-            if any(value not in (0, 1.0) for value in attributes.values()) or attributes.get("transA"):
-                raise ValueError(f"Gemm {node.name} of the network has factors that are not 1")
-            layers.insert(0, (weights, constants[node.input[2]].reshape(-1), relu))
-        elif node.op_type not in ("Relu", "Identity"):
-            raise ValueError(f"the network has a {node.op_type}, and only Gemm and Relu can go into the native FMU")
-        relu = node.op_type == "Relu"
-        name = node.input[0]
-    return layers
-
-
 def _floats(values: Any) -> str:
     return ", ".join(f"{float(value).hex()}f" for value in np.asarray(values, dtype=np.float32).ravel())
 
 
 def _layers(name: str, layers: Sequence[Layer]) -> Iterator[str]:
-    for place, (weights, bias, _) in enumerate(layers):
-        yield f"static const float {name}_W{place}[] = {{{_floats(weights)}}};"
-        yield f"static const float {name}_B{place}[] = {{{_floats(bias)}}};"
+    for place, layer in enumerate(layers):
+        yield f"static const float {name}_W{place}[] = {{{_floats(layer.weights)}}};"
+        yield f"static const float {name}_B{place}[] = {{{_floats(layer.bias)}}};"
+    shapes = (", ".join(map(str, layer.weights.shape)) for layer in layers)
     rows = (
-        f"{{{weights.shape[0]}, {weights.shape[1]}, {name}_W{place}, {name}_B{place}, {str(relu).lower()}}}"
-        for place, (weights, _, relu) in enumerate(layers)
+        f"{{{shape}, {name}_W{place}, {name}_B{place}, {str(layer.relu).lower()}}}"
+        for place, (shape, layer) in enumerate(zip(shapes, layers, strict=True))
     )
     yield f"static const PspLayer {name}[] = {{{', '.join(rows)}}};"
 
 
-def _candidates(graph: Any) -> Any:
-    """The triples that the network ranks, (K, 3)."""
-    constants = {tensor.name: numpy_helper.to_array(tensor) for tensor in graph.initializer}
-    return constants[next((node.input[0] for node in graph.node if DICTIONARY in node.output), DICTIONARY)]
+def _initialiser(chain: Chain, name: str) -> str:
+    """The chain as C writes it."""
+    return f"{{.layers = {name}, .count = {len(chain.layers)}, .shared = {chain.shared}, .radius = {chain.radius}}}"
 
 
-def _tables(vehicles: int, network: NetworkFile) -> tuple[list[str], str, int, int]:
-    """The tables of one network, its row in the table of networks, its widest layer and how many triples it ranks."""
+def _tables(name: str, network: NetworkFile) -> tuple[list[str], int, int]:
+    """The tables of one network, its widest layer and how many triples it ranks."""
     graph = onnx.load_from_string(network.content).graph
-    name, parameters = f"NETWORK_{vehicles}", _chain(graph, PARAMETERS)
-    widest = max(max(weights.shape) for weights, _, _ in parameters)
-    lines = [*_layers(f"{name}_PARAMETERS", parameters)]
-    row = {"vehicles": str(vehicles), "parameters": f"{name}_PARAMETERS", "parameter_layers": str(len(parameters))}
-    rows = 0
+    parameters = chain_to(graph, PARAMETERS)
+    widest, lines, rows = parameters.widest, [*_layers(f"{name}_PARAMETERS", parameters.layers)], 0
+    row = {"parameters": _initialiser(parameters, f"{name}_PARAMETERS")}
     if {SCORES, DICTIONARY} <= {port.name for port in graph.output}:
-        scores, candidates = _chain(graph, SCORES), _candidates(graph)
-        widest, rows = max(widest, *(max(weights.shape) for weights, _, _ in scores)), len(candidates)
-        lines += _layers(f"{name}_SCORES", scores)
-        triples = ", ".join(f"{{{_floats(triple)}}}" for triple in candidates)
-        lines.append(f"static const float {name}_CANDIDATES[][3] = {{{triples}}};")
-        row |= {"scores": f"{name}_SCORES", "score_layers": str(len(scores))}
+        scores, triples = chain_to(graph, SCORES), candidates(graph)
+        widest, rows = max(widest, scores.widest), len(triples)
+        lines += _layers(f"{name}_SCORES", scores.layers)
+        listed = ", ".join(f"{{{_floats(triple)}}}" for triple in triples)
+        lines.append(f"static const float {name}_CANDIDATES[][3] = {{{listed}}};")
+        row |= {"scores": _initialiser(scores, f"{name}_SCORES")}
         row |= {"candidates": f"{name}_CANDIDATES", "candidate_count": str(rows)}
     row |= {bound: repr(value) for bound, value in network.domain.items()}
     row["trained"] = "{" + ", ".join(f".{constant} = {value!r}" for constant, value in network.constants.items()) + "}"
-    return lines, "{" + ", ".join(f".{key} = {value}" for key, value in row.items()) + "}", widest, rows
+    fields = ", ".join(f".{key} = {value}" for key, value in row.items())
+    return [*lines, f"static const PspNetwork {name} = {{{fields}}};"], widest, rows
 
 
 _NETWORK_TYPES = """typedef struct {
@@ -142,9 +115,15 @@ _NETWORK_TYPES = """typedef struct {
     bool relu;
 } PspLayer;
 
+/* The first `shared` layers see each gap with `radius` neighbours on both sides; behind them the gaps are pooled. */
 typedef struct {
-    int vehicles, parameter_layers, score_layers, candidate_count;
-    const PspLayer *parameters, *scores; /* no scores where it ranks nothing */
+    const PspLayer *layers;
+    int count, shared, radius;
+} PspChain;
+
+typedef struct {
+    PspChain parameters, scores; /* no layers of scores where it ranks nothing */
+    int candidate_count;
     const float (*candidates)[3];
     double gap_min, gap_max, speed_min, speed_max, standstill, headway;
     Constants trained;
@@ -157,13 +136,16 @@ def network_header(networks: Mapping[int, NetworkFile]) -> str:
 
     Parameters
     ----------
-    networks : that go into the FMU, by number of vehicles
+    networks : that go into the FMU, by number of vehicles; one may serve several numbers
     """
     lines = ["#ifndef PSP_NETWORK_H", "#define PSP_NETWORK_H", ""]
     if networks:
-        made = [_tables(vehicles, network) for vehicles, network in networks.items()]
-        lines += [_NETWORK_TYPES, f"#define PSP_WIDEST {max(widest for _, _, widest, _ in made)}"]
-        lines += [f"#define PSP_MOST_CANDIDATES {max(1, *(rows for _, _, _, rows in made))}", ""]
-        lines += [line for tables, _, _, _ in made for line in tables]
-        lines += ["static const PspNetwork PSP_NETWORKS[] = {", *(f"    {row}," for _, row, _, _ in made), "};"]
+        files = {network.name: network for network in networks.values()}
+        names = {name: f"NETWORK_{place}" for place, name in enumerate(files)}
+        made = [_tables(names[name], network) for name, network in files.items()]
+        lines += [_NETWORK_TYPES, f"#define PSP_WIDEST {max(widest for _, widest, _ in made)}"]
+        lines += [f"#define PSP_MOST_CANDIDATES {max(1, *(rows for _, _, rows in made))}", ""]
+        lines += [line for tables, _, _ in made for line in tables]
+        rows = (f"    [{n}] = &{names[network.name]}," for n, network in sorted(networks.items()))
+        lines += ["static const PspNetwork *const PSP_NETWORK_OF[] = {", *rows, "};"]
     return "/* Written by fmu_src/native/tables.py. */\n" + "\n".join([*lines, "", "#endif", ""])

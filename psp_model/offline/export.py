@@ -6,18 +6,18 @@ from pathlib import Path
 
 import numpy as np
 
-from ..network import INPUT, PARAMETERS, SCORES
+from ..network import GAPS, INPUT, PARAMETERS, SCORES, SPEEDS
 from .errors import OfflineError
-from .fit import apply
-from .parquet import Dataset
-from .recipes import Trained, output_scaling, scaled_starts
+from .mixture import Mixture
+from .recipes import Trained, output_scaling
+from .structures import PerGap
 
 _ROWS = 200
 _TOLERANCE = 2e-5  # of the outputs' size: float32 with the scaling folded in against float32 without
 
 
-def check_export(path: Path, data: Dataset, parameters: Trained, ranking: Trained | None) -> float:
-    """Compare the file in onnxruntime with the training framework on the data set's first starts.
+def check_export(path: Path, data: Mixture, parameters: Trained, ranking: Trained | None) -> float:
+    """Compare the file in onnxruntime with the training framework on the first starts of each data set.
 
     Parameters
     ----------
@@ -36,15 +36,20 @@ def check_export(path: Path, data: Dataset, parameters: Trained, ranking: Traine
     import onnxruntime
 
     session = onnxruntime.InferenceSession(str(path), providers=["CPUExecutionProvider"])
-    starts, x = data.starts[:_ROWS].astype(np.float32), scaled_starts(data)[:_ROWS]
     shift, scale = output_scaling(data.problem)
-    expected = {PARAMETERS: shift + scale * np.asarray(apply(parameters.scaled, x))}
-    if ranking is not None:
-        expected[SCORES] = np.asarray(apply(ranking.scaled, x))
     worst = 0.0
-    for name, values in expected.items():
-        (found,) = session.run([name], {INPUT: starts})
-        worst = max(worst, float(np.abs(found - values).max() / np.abs(values).max()))
+    for one in data.sets:
+        starts, gaps = one.starts[:_ROWS].astype(np.float32), one.problem.vehicles - 1
+        rows = parameters.structure.rows(one.starts[:_ROWS], one.domain)
+        expected = {PARAMETERS: shift + scale * np.asarray(parameters.structure.apply(parameters.scaled, rows))}
+        if ranking is not None:
+            expected[SCORES] = np.asarray(ranking.structure.apply(ranking.scaled, rows))
+        inputs = {INPUT: starts}
+        if isinstance(parameters.structure, PerGap):
+            inputs = {GAPS: starts[:, :gaps], SPEEDS: starts[:, gaps:]}
+        for name, values in expected.items():
+            (found,) = session.run([name], inputs)
+            worst = max(worst, float(np.abs(found - values).max() / np.abs(values).max()))
     if not worst < _TOLERANCE:
         raise OfflineError(f"{path} differs from the trained network by {worst:.1e} of its outputs: please report it")
     return worst

@@ -86,17 +86,32 @@ def apply(layers: Sequence[tuple[Any, Any]], x: Any) -> Any:
     Parameters
     ----------
     layers : weights (inputs, outputs) and biases (outputs,) of each layer
-    x : (B, inputs) array, a row for each start
+    x : (..., inputs) array
 
     Returns
     -------
-    (B, outputs) array
+    (..., outputs) array
     """
-    for W, b in layers[:-1]:
+    W, b = layers[-1]
+    return hidden_layers(layers[:-1], x) @ W + b
+
+
+def hidden_layers(layers: Sequence[tuple[Any, Any]], x: Any) -> Any:
+    """Layers that are all followed by a rectified linear unit, in NumPy or JAX.
+
+    Parameters
+    ----------
+    layers : weights (inputs, outputs) and biases (outputs,) of each layer
+    x : (..., inputs) array
+
+    Returns
+    -------
+    (..., outputs of the last layer) array, nothing below 0
+    """
+    for W, b in layers:
         x = x @ W + b
         x = x * (x > 0)
-    W, b = layers[-1]
-    return x @ W + b
+    return x
 
 
 def fit(

@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from ..feasible import project
 from ..parameters import PotentialParameters
-from .fit import Layers, Schedule, apply, initial_layers
-from .onnx_file import fold_scaling
+from .fit import Layers, Schedule
+from .mixture import Mixture
 from .parquet import Dataset
-from .recipes import Trained, Watch, _fitted, input_scaling, regrets, scaled_starts
+from .recipes import Trained, Watch, fitted, regrets
 from .slope_limit import SlopeLimit
+from .structures import Structure
 
 Array = NDArray[Any]
 
@@ -45,7 +46,8 @@ def choose_dictionary(regret: Array, size: int) -> Array:
 
 
 def train_ranking(
-    data: Dataset,
+    data: Mixture,
+    structure: Structure,
     size: int,
     hidden: tuple[int, ...],
     seed: int,
@@ -58,6 +60,7 @@ def train_ranking(
     Parameters
     ----------
     data : with tables
+    structure : of the network
     size : of the dictionary, K
     hidden : widths of the hidden layers
     seed, checkpoint, watch : as for `recipes.train`
@@ -74,18 +77,18 @@ def train_ranking(
     sample = np.random.default_rng(seed).permutation(len(regret))[:4000]
     chosen = choose_dictionary(regret[sample], size)
     worth = np.exp(-(regret[:, chosen] - regret[:, chosen].min(axis=1, keepdims=True)) / TEMPERATURE)
-    arrays = {"x": scaled_starts(data), "y": (worth / worth.sum(axis=1, keepdims=True)).astype(np.float32)}
+    arrays = {"x": data.rows(structure), "y": (worth / worth.sum(axis=1, keepdims=True)).astype(np.float32)}
 
     def loss(layers: Layers, batch: dict[str, Any]) -> Any:
-        return -(batch["y"] * jax.nn.log_softmax(apply(layers, batch["x"]))).sum(axis=1).mean()
+        return -(batch["y"] * jax.nn.log_softmax(structure.apply(layers, batch["x"]))).sum(axis=1).mean()
 
-    layers = initial_layers([data.starts.shape[1], *hidden, size], seed)
-    found, test = _fitted(layers, loss, arrays, arrays, schedule, seed, checkpoint, watch)
-    raw = fold_scaling(found.best, *input_scaling(data.domain, data.problem.vehicles), np.zeros(size), np.ones(size))
-    return Trained(raw, found.best, found, test), dictionary_triples(data, chosen)
+    layers = structure.initial(hidden, size, seed)
+    found, test = fitted(layers, loss, arrays, arrays, schedule, seed, checkpoint, watch)
+    raw = structure.folded(found.best, data.domain, np.zeros(size), np.ones(size))
+    return Trained(structure, raw, found.best, found, test), dictionary_triples(data, chosen)
 
 
-def dictionary_triples(data: Dataset, chosen: Array) -> Array:
+def dictionary_triples(data: Dataset | Mixture, chosen: Array) -> Array:
     """Points of the data set's grid as triples inside the feasible set.
 
     Parameters

@@ -19,12 +19,14 @@ from psp_model.offline.errors import OfflineError
 from psp_model.offline.evaluate import Judge, as_markdown
 from psp_model.offline.export import check_export
 from psp_model.offline.fit import Schedule, apply, fit, initial_layers
-from psp_model.offline.onnx_file import Provenance, fold_scaling, write_network
+from psp_model.offline.mixture import Mixture
+from psp_model.offline.onnx_file import Provenance, write_network
 from psp_model.offline.parquet import Dataset, read_dataset
 from psp_model.offline.ranking import choose_dictionary, train_ranking
 from psp_model.offline.recipes import RECIPES, Trained, split, train
 from psp_model.offline.search import EFFORTS
 from psp_model.offline.slope_limit import SlopeLimit
+from psp_model.offline.structures import fold_scaling
 from psp_model.parameters import ObjectiveWeights
 from psp_model.platoon import Sampling
 from small_problems import PLAN, TINY, draw
@@ -42,7 +44,11 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Dataset]:
 
 
 def trained(data: Dataset, recipe: str, checkpoint: Path | None = None) -> Trained:
-    return train(data, replace(RECIPES[recipe], schedule=QUICK), 0, checkpoint, lambda *losses: None)
+    return train(Mixture((data,)), replace(RECIPES[recipe], schedule=QUICK), 0, checkpoint, lambda *losses: None)
+
+
+def ranked(data: Dataset, parameters: Trained) -> tuple[Trained, np.ndarray]:
+    return train_ranking(Mixture((data,)), parameters.structure, 12, (8,), 0, None, lambda *losses: None, QUICK)
 
 
 def test_the_papers_recipe_is_the_papers() -> None:
@@ -105,13 +111,13 @@ def test_training_goes_on_where_it_was_interrupted(tmp_path: Path) -> None:
 
 def test_onnx_file_computes_what_was_trained(data: Dataset, tmp_path: Path) -> None:
     parameters = trained(data, "cost")
-    ranking, dictionary = train_ranking(data, 12, (8,), 0, None, lambda *losses: None, QUICK)
+    ranking, dictionary = ranked(data, parameters)
     origin = Provenance(data.problem, data.domain, "cost", data.sha256, "psp train")
     path = tmp_path / "network.onnx"
     write_network(path, parameters.layers, origin, ranking.layers, dictionary)
-    assert check_export(path, data, parameters, ranking) < 2e-5
+    assert check_export(path, Mixture((data,)), parameters, ranking) < 2e-5
     network = ParameterNetwork(path)
-    assert (network.vehicles, network.domain, network.constants) == (3, StartDomain(), data.problem.constants)
+    assert (network.vehicles, network.domain, network.constants) == (range(3, 4), StartDomain(), data.problem.constants)
     assert network.trained_on == data.sha256
     candidates = network.candidates(data.starts[0, :2], data.starts[0, 2:], 5)
     assert len(candidates) == 5 and candidates[0] == network.evaluate(data.starts[0, :2], data.starts[0, 2:])
@@ -137,7 +143,7 @@ def test_dictionary_is_greedy() -> None:
 
 def test_evaluation_agrees_with_runs_of_the_model(data: Dataset, tmp_path: Path) -> None:
     parameters = trained(data, "cost")
-    ranking, dictionary = train_ranking(data, 12, (8,), 0, None, lambda *losses: None, QUICK)
+    ranking, dictionary = ranked(data, parameters)
     path = tmp_path / "network.onnx"
     origin = Provenance(data.problem, data.domain, "cost", "other", "psp train")
     write_network(path, parameters.layers, origin, ranking.layers, dictionary)

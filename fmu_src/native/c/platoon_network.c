@@ -1,4 +1,4 @@
-/* The networks: Gemm and Relu over the tables in psp_network.h, which come from the ONNX files. */
+/* The networks: layers over the tables in psp_network.h, which come from the ONNX files. */
 #include "vehicles.h"
 
 #include <stddef.h>
@@ -22,13 +22,51 @@ static void apply(const PspLayer *layer, const float *input, float *output)
     }
 }
 
-static const float *run(const PspLayer *layers, int count, int n, const double *s, const double *v,
-                        float buffer[2][PSP_WIDEST])
+/* Runs layers over what stands in buffer[0] and gives their output, in one of the two. */
+static const float *run(const PspLayer *layers, int count, float buffer[2][PSP_WIDEST])
 {
-    for (int i = 0; i < n - 1; i++) buffer[0][i] = (float)s[i];
-    for (int i = 0; i < n; i++) buffer[0][n - 1 + i] = (float)v[i];
     for (int k = 0; k < count; k++) apply(&layers[k], buffer[k % 2], buffer[1 - k % 2]);
     return buffer[count % 2];
+}
+
+/* What the layers shared by all gaps see of gap i: length, speed in front, speed behind and 1 of it and its neighbours;
+ * zeros where the platoon has ended. */
+static void window(int radius, int gaps, int i, const double *s, const double *v, float *channels)
+{
+    for (int j = i - radius; j <= i + radius; j++, channels += 4) {
+        const bool there = j >= 0 && j < gaps;
+        channels[0] = there ? (float)s[j] : 0.0f;
+        channels[1] = there ? (float)v[j] : 0.0f;
+        channels[2] = there ? (float)v[j + 1] : 0.0f;
+        channels[3] = there ? 1.0f : 0.0f;
+    }
+}
+
+/* Mean and maximum over the gaps of what the shared layers give, into `pooled`. */
+static void pool(const PspChain *chain, int gaps, const double *s, const double *v, float *pooled)
+{
+    float buffer[2][PSP_WIDEST];
+    const int width = chain->layers[chain->shared - 1].rows;
+    for (int i = 0; i < gaps; i++) {
+        window(chain->radius, gaps, i, s, v, buffer[0]);
+        const float *seen = run(chain->layers, chain->shared, buffer);
+        for (int k = 0; k < width; k++) {
+            pooled[k] = i == 0 ? seen[k] : pooled[k] + seen[k];
+            pooled[width + k] = i == 0 || seen[k] > pooled[width + k] ? seen[k] : pooled[width + k];
+        }
+    }
+    for (int k = 0; k < width; k++) pooled[k] /= (float)gaps;
+}
+
+static const float *answer(const PspChain *chain, int n, const double *s, const double *v, float buffer[2][PSP_WIDEST])
+{
+    if (chain->shared) {
+        pool(chain, n - 1, s, v, buffer[0]);
+    } else {
+        for (int i = 0; i < n - 1; i++) buffer[0][i] = (float)s[i];
+        for (int i = 0; i < n; i++) buffer[0][n - 1 + i] = (float)v[i];
+    }
+    return run(chain->layers + chain->shared, chain->count - chain->shared, buffer);
 }
 
 static Shape triple(const float *row)
@@ -56,10 +94,8 @@ static int ranked(const PspNetwork *network, const float *scores, int count, Sha
 /* The network for n vehicles, NULL if there is none. */
 static const PspNetwork *find(int n)
 {
-    for (size_t k = 0; k < sizeof PSP_NETWORKS / sizeof *PSP_NETWORKS; k++) {
-        if (PSP_NETWORKS[k].vehicles == n) return &PSP_NETWORKS[k];
-    }
-    return NULL;
+    const int known = (int)(sizeof PSP_NETWORK_OF / sizeof *PSP_NETWORK_OF);
+    return n >= 0 && n < known ? PSP_NETWORK_OF[n] : NULL;
 }
 
 bool network_for(int n) { return find(n) != NULL; }
@@ -69,9 +105,9 @@ int network_candidates(int n, const double *s, const double *v, int count, Shape
     float buffer[2][PSP_WIDEST];
     const PspNetwork *network = find(n);
     if (!network) return 0;
-    candidates[0] = triple(run(network->parameters, network->parameter_layers, n, s, v, buffer));
+    candidates[0] = triple(answer(&network->parameters, n, s, v, buffer));
     if (count <= 1 || network->candidate_count == 0) return 1;
-    return 1 + ranked(network, run(network->scores, network->score_layers, n, s, v, buffer), count - 1, candidates + 1);
+    return 1 + ranked(network, answer(&network->scores, n, s, v, buffer), count - 1, candidates + 1);
 }
 
 const char *outside_domain(int n, const double *s, const double *v, const Constants *c)
