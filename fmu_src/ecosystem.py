@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from io import StringIO
 from pathlib import Path
 from typing import Any
-from xml.etree.ElementTree import Element, SubElement, indent, tostring
+from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 from fmpy import read_model_description, simulate_fmu
@@ -20,12 +20,9 @@ from psp_model import ModelError, ObjectiveWeights, PlatoonState, Sampling, simu
 from psp_model.choose import ParameterSource, Request, choose_potential
 from psp_model.network import ParameterNetwork
 
-from .packing import write_fmu
+from .ssp import SystemComponent, parameter_set, write_ssp, xml_file
 from .variables import Variable, platoon_table
 
-_SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
-_SSV = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
-_SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
 _LS = "http://fmi-standard.org/fmi-ls-manifest"
 LS_REF = "extra/org.fmi-standard.fmi-ls-ref"
 STOP_TIME, STEP_SIZE = 20.0, 0.01  # [s]
@@ -33,24 +30,6 @@ SCENARIOS: Mapping[str, Mapping[str, float]] = {  # the paper's, from the start 
     "scenario1": {"potential": 1, "lemma1_policy": 1},
     "scenario2": {"potential": 2, "lemma1_policy": 1},
 }
-
-
-def _xml(root: Element) -> bytes:
-    indent(root)
-    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8") + b"\n"
-
-
-def _parameter_set(name: str, values: Mapping[str, float], integers: set[str], prefix: str = "") -> Element:
-    attributes = {"version": "1.0", "name": name}
-    root = Element("ssv:ParameterSet", attributes | {"xmlns:ssv": _SSV})
-    parameters = SubElement(root, "ssv:Parameters")
-    for parameter, value in values.items():
-        entry = SubElement(parameters, "ssv:Parameter", name=prefix + parameter)
-        if parameter in integers:
-            SubElement(entry, "ssv:Integer", value=str(int(value)))
-        else:
-            SubElement(entry, "ssv:Real", value=repr(float(value)))
-    return root
 
 
 def scenario_values(table: Sequence[Variable], scenario: str) -> dict[str, float]:
@@ -61,8 +40,12 @@ def scenario_values(table: Sequence[Variable], scenario: str) -> dict[str, float
     table : the variables
     scenario : name in SCENARIOS
     """
-    parameters = (row for row in table if row.causality == "parameter")
-    return {row.name: row.start for row in parameters if row.start is not None} | dict(SCENARIOS[scenario])
+    found = {}
+    for row in table:
+        if row.causality == "parameter" and row.start is not None:
+            value = SCENARIOS[scenario].get(row.name, row.start)
+            found[row.name] = int(value) if row.integer else float(value)
+    return found
 
 
 def parameter_files(table: Sequence[Variable]) -> dict[str, bytes]:
@@ -72,42 +55,11 @@ def parameter_files(table: Sequence[Variable]) -> dict[str, bytes]:
     ----------
     table : the variables
     """
-    integers = {row.name for row in table if row.integer}
-    return {f"{name}.ssv": _xml(_parameter_set(name, scenario_values(table, name), integers)) for name in SCENARIOS}
+    return {f"{name}.ssv": xml_file(parameter_set(name, scenario_values(table, name))) for name in SCENARIOS}
 
 
-def system_structure(table: Sequence[Variable], fmu: str) -> bytes:
-    """SystemStructure.ssd: one component with connectors and both scenarios as parameter sets of its own.
-
-    Parameters
-    ----------
-    table : the variables
-    fmu : file name of the FMU in resources/
-    """
-    namespaces = {"xmlns:ssd": _SSD, "xmlns:ssc": _SSC}
-    root = Element("ssd:SystemStructureDescription", namespaces | {"version": "1.0", "name": "Platoon"})
-    system = SubElement(root, "ssd:System", name="Platoon")
-    elements = SubElement(system, "ssd:Elements")
-    kind = "application/x-fmu-sharedlibrary"
-    component = SubElement(elements, "ssd:Component", name="platoon", source=f"resources/{fmu}", type=kind)
-    connectors = SubElement(component, "ssd:Connectors")
-    for row in table:
-        if row.causality == "input":  # fmpy cannot run a system that leaves an input unconnected
-            continue
-        connector = SubElement(connectors, "ssd:Connector", name=row.name, kind=row.causality)
-        SubElement(connector, f"ssc:{row.fmi_type}")
-    bindings = SubElement(component, "ssd:ParameterBindings")
-    integers = {row.name for row in table if row.integer}
-    for name, values in SCENARIOS.items():
-        value = SubElement(SubElement(bindings, "ssd:ParameterBinding"), "ssd:ParameterValues")
-        value.append(_parameter_set(name, values, integers))
-    experiment = SubElement(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(STOP_TIME))
-    experiment.tail = "\n"
-    return _xml(root)
-
-
-def write_ssp(fmu: Path, path: Path) -> Path:
-    """A flat .ssp with the platoon and its parameter sets.
+def write_platoon_ssp(fmu: Path, path: Path) -> Path:
+    """A flat .ssp with one component, its parameters and outputs, and both scenarios as parameter sets of its own.
 
     Parameters
     ----------
@@ -115,10 +67,10 @@ def write_ssp(fmu: Path, path: Path) -> Path:
     path : of the .ssp
     """
     table = _table(fmu)
-    files = {"SystemStructure.ssd": system_structure(table, fmu.name), f"resources/{fmu.name}": fmu.read_bytes()}
-    files |= {f"resources/{name}": content for name, content in parameter_files(table).items()}
-    write_fmu(path, files)
-    return path
+    # fmpy cannot run a system that leaves an input unconnected
+    connectors = {row.name: (row.causality, row.fmi_type) for row in table if row.causality != "input"}
+    platoon = SystemComponent(fmu, connectors, SCENARIOS)
+    return write_ssp(path, {"platoon": platoon}, more=parameter_files(table), stop_time=STOP_TIME)
 
 
 def _table(fmu: Path) -> tuple[Variable, ...]:
@@ -191,8 +143,8 @@ def layered_standard(table: Sequence[Variable], references: Mapping[str, str]) -
         related(f"{name}.ssv", "parameter", "application/x-ssp-parameter-set")
         related(f"{name}_ref.csv", "result", "text/csv")
         found[f"{LS_REF}/{name}_ref.csv"] = text.encode()
-    found[f"{LS_REF}/experiments.xml"] = _xml(experiments)
-    return found | {f"{LS_REF}/fmi-ls-manifest.xml": _xml(manifest)}
+    found[f"{LS_REF}/experiments.xml"] = xml_file(experiments)
+    return found | {f"{LS_REF}/fmi-ls-manifest.xml": xml_file(manifest)}
 
 
 def reference_results(table: Sequence[Variable], network: ParameterNetwork | None) -> dict[str, str]:
@@ -230,7 +182,7 @@ def reference_results(table: Sequence[Variable], network: ParameterNetwork | Non
 def main(fmu: Path, folder: Path) -> list[Path]:
     """Write everything for an FMU and say what was written."""
     folder.mkdir(parents=True, exist_ok=True)
-    written = [write_ssp(fmu, folder / "Platoon.ssp"), *write_cross_check(fmu, folder)]
+    written = [write_platoon_ssp(fmu, folder / "Platoon.ssp"), *write_cross_check(fmu, folder)]
     for name, content in parameter_files(_table(fmu)).items():
         written.append(folder / name)
         written[-1].write_bytes(content)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
@@ -13,31 +14,71 @@ _SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
 _SSV = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
 
 Connector = tuple[str, str]  # component, variable
+Values = Mapping[str, float]  # an int stands for an Integer
 
 
-def _component(
-    parent: Element, name: str, fmu: Path, connectors: Mapping[str, str], values: Mapping[str, float]
-) -> None:
-    source = f"resources/{fmu.name}"
+@dataclass(frozen=True)
+class SystemComponent:
+    """One FMU of a system.
+
+    Attributes
+    ----------
+    fmu : the file
+    connectors : kind (input, output, parameter) and type (Real, Integer) by name of the variable
+    parameter_sets : by name; some masters do not read them
+    """
+
+    fmu: Path
+    connectors: Mapping[str, tuple[str, str]]
+    parameter_sets: Mapping[str, Values] = field(default_factory=dict)
+
+
+def xml_file(root: Element) -> bytes:
+    """An XML document, indented.
+
+    Parameters
+    ----------
+    root : its root
+    """
+    indent(root)
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8") + b"\n"
+
+
+def parameter_set(name: str, values: Values) -> Element:
+    """Parameter values, for a component or for a .ssv file.
+
+    Parameters
+    ----------
+    name : of the set
+    values : by name of the parameter
+    """
+    root = Element("ssv:ParameterSet", {"version": "1.0", "name": name, "xmlns:ssv": _SSV})
+    parameters = SubElement(root, "ssv:Parameters")
+    for parameter, value in values.items():
+        kind = "Integer" if isinstance(value, int) else "Real"
+        SubElement(SubElement(parameters, "ssv:Parameter", name=parameter), f"ssv:{kind}", value=repr(value))
+    return root
+
+
+def _write_component(parent: Element, name: str, component: SystemComponent) -> None:
+    source = f"resources/{component.fmu.name}"
     attributes = {"name": name, "type": "application/x-fmu-sharedlibrary", "source": source}
-    component = SubElement(parent, "ssd:Component", attributes)
-    listed = SubElement(component, "ssd:Connectors")
-    for variable, kind in connectors.items():
-        SubElement(SubElement(listed, "ssd:Connector", name=variable, kind=kind), "ssc:Real")
-    if values:
-        binding = SubElement(SubElement(component, "ssd:ParameterBindings"), "ssd:ParameterBinding")
-        found = SubElement(SubElement(binding, "ssd:ParameterValues"), "ssv:ParameterSet", version="1.0", name=name)
-        parameters = SubElement(found, "ssv:Parameters")
-        for parameter, value in values.items():
-            kind = "Integer" if isinstance(value, int) else "Real"
-            SubElement(SubElement(parameters, "ssv:Parameter", name=parameter), f"ssv:{kind}", value=repr(value))
+    element = SubElement(parent, "ssd:Component", attributes)
+    listed = SubElement(element, "ssd:Connectors")
+    for variable, (kind, of_type) in component.connectors.items():
+        SubElement(SubElement(listed, "ssd:Connector", name=variable, kind=kind), f"ssc:{of_type}")
+    if component.parameter_sets:
+        bindings = SubElement(element, "ssd:ParameterBindings")
+        for title, values in component.parameter_sets.items():
+            holder = SubElement(SubElement(bindings, "ssd:ParameterBinding"), "ssd:ParameterValues")
+            holder.append(parameter_set(title, values))
 
 
 def write_ssp(
     path: Path,
-    fmus: Mapping[str, Path],
-    connections: Sequence[tuple[Connector, Connector]],
-    values: Mapping[str, Mapping[str, float]] | None = None,
+    components: Mapping[str, SystemComponent],
+    connections: Sequence[tuple[Connector, Connector]] = (),
+    more: Mapping[str, bytes] | None = None,
     stop_time: float = 20.0,
 ) -> Path:
     """Write the archive; the same arguments give the same bytes.
@@ -45,32 +86,30 @@ def write_ssp(
     Parameters
     ----------
     path : of the .ssp file
-    fmus : by name of the component
+    components : by name
     connections : from an output to an input each
-    values : parameters of the components, inline (some masters do not read them)
+    more : further files in resources/, content by name
     stop_time : of the default experiment [s]
 
     Returns
     -------
     path
     """
-    names = {"xmlns:ssd": _SSD, "xmlns:ssc": _SSC, "xmlns:ssv": _SSV, "version": "1.0", "name": path.stem}
+    names = {"xmlns:ssd": _SSD, "xmlns:ssc": _SSC, "version": "1.0", "name": path.stem}
     root = Element("ssd:SystemStructureDescription", names)
     system = SubElement(root, "ssd:System", name=path.stem)
     elements = SubElement(system, "ssd:Elements")
-    for name, fmu in fmus.items():
-        outputs = {variable: "output" for (owner, variable), _ in connections if owner == name}
-        inputs = {variable: "input" for _, (owner, variable) in connections if owner == name}
-        _component(elements, name, fmu, inputs | outputs, (values or {}).get(name, {}))
-    listed = SubElement(system, "ssd:Connections")
-    for (one, output), (other, target) in connections:
-        ends = {"startElement": one, "startConnector": output, "endElement": other, "endConnector": target}
-        SubElement(listed, "ssd:Connection", ends)
+    for name, component in components.items():
+        _write_component(elements, name, component)
+    if connections:
+        listed = SubElement(system, "ssd:Connections")
+        for (one, output), (other, target) in connections:
+            ends = {"startElement": one, "startConnector": output, "endElement": other, "endConnector": target}
+            SubElement(listed, "ssd:Connection", ends)
     SubElement(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(stop_time))
-    indent(root)
-    description = b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8") + b"\n"
-    files = {"SystemStructure.ssd": description} | {f"resources/{f.name}": f.read_bytes() for f in fmus.values()}
-    write_fmu(path, files)
+    files = {component.fmu.name: component.fmu.read_bytes() for component in components.values()} | dict(more or {})
+    inside = {f"resources/{name}": content for name, content in files.items()}
+    write_fmu(path, {"SystemStructure.ssd": xml_file(root)} | inside)
     return path
 
 
@@ -114,4 +153,10 @@ def write_loop(
     if leader is not None:
         fmus |= {"leader": leader}
         connections.append((("leader", "v"), ("controller", "v_desired")))
-    return write_ssp(path, fmus, connections, settings)
+    components = {}
+    for name, fmu in fmus.items():
+        inputs = {variable: ("input", "Real") for _, (owner, variable) in connections if owner == name}
+        outputs = {variable: ("output", "Real") for (owner, variable), _ in connections if owner == name}
+        sets = {name: settings[name]} if settings.get(name) else {}
+        components[name] = SystemComponent(fmu, inputs | outputs, sets)
+    return write_ssp(path, components, connections)
