@@ -117,11 +117,13 @@ def plant_table(vehicles: int) -> tuple[Variable, ...]:
     accelerations = [
         Variable(f"a[{i}]", text.format(i), "m/s2", 0.0, nominal=1, input=True) for i in range(1, vehicles + 1)
     ]
-    motion = [
-        replace(row, description=f"{row.description}, at the beginning of the current period", continuous=False)
-        for name, row in rows.items()
-        if name[:2] in ("x[", "v[", "s[")
-    ]
+    known = {row.name for row in parameters}
+    motion = []
+    for name, row in rows.items():
+        if name[:2] in ("x[", "v[", "s["):
+            text = f"{row.description}, at the beginning of the current period"
+            starts = tuple(start for start in row.initial_dependencies or () if start in known)
+            motion.append(replace(row, description=text, continuous=False, initial_dependencies=starts))
     return (*parameters, *accelerations, *motion)
 
 
