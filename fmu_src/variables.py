@@ -209,7 +209,7 @@ def joining_names(vehicles: int) -> set[str]:
 
 
 def platoon_table(vehicles: int, default_source: int = 1) -> tuple[Variable, ...]:
-    """The variables of `PspPlatoon`: parameters, inputs, outputs; the value reference of each is its place in the table.
+    """The variables of `PspPlatoon`: parameters, inputs, outputs; value references are places in the table.
 
     Parameters
     ----------

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from math import floor
 from typing import Any
@@ -181,6 +181,7 @@ class SampledPlatoon:
         constants, T, policy = self.start.constants, self.sampling.T, self.sampling.policy
         if policy is Lemma1Policy.WARN and not (s > constants.L).all():  # the others keep every gap above L
             i = int(np.argmin(s))
+            self.now = replace(self.now, period=period, fraction=fraction, x=x, s=s, v=v, cost=cost)
             raise ModelError("left_gap", i + 2, s[i], constants.L, (period + fraction) * T)
         a = feedback(s, v, self.shape, constants)
         T_max = float(largest_period(s, v, a, constants))
@@ -235,8 +236,8 @@ class SampledPlatoon:
 
         Raises
         ------
-        ModelError : under policy 1 where T is not certified (`now` is that instant), under policy 3 where more than
-            max_short_periods are needed
+        ModelError : under policy 1 where T is not certified, under policy 2 where a gap has fallen to L (`now` is that
+            instant), under policy 3 where more than max_short_periods are needed
         """
         short = 0
         while True:

@@ -36,6 +36,12 @@ def native_fmu_of_three(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
 
 
 @pytest.fixture(scope="session")
+def native_fmu_of_twelve(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
+    """PspPlatoonNative.fmu for up to 12 vehicles, without a network."""
+    return built("native", 12, tmp_path_factory.mktemp("native12"))
+
+
+@pytest.fixture(scope="session")
 def python_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
     """PspPlatoon.fmu for 7 vehicles, with the network."""
     return built("python", 7, tmp_path_factory.mktemp("python"))

@@ -53,14 +53,6 @@ def platoon_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
     return _unpacked("platoon", tmp_path_factory.mktemp("platoon"))
 
 
-@pytest.fixture(scope="session")
-def native_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
-    """PspPlatoonNative.fmu with 7 vehicles."""
-    folder = tmp_path_factory.mktemp("native")
-    assert build(["--runtime", "native", "--output", str(folder)]) == 0
-    return Unpacked(folder / "PspPlatoonNative.fmu", folder / "unpacked")
-
-
 @pytest.fixture
 def instances() -> Iterator[Callable[..., Instance]]:
     """Makes instances and frees them at the end."""

@@ -30,8 +30,8 @@ bool platoon_sample(Platoon *platoon, Front *front, fmi2Status status)
     double span = 1.0;
     if (platoon->policy == POLICY_SHORTEN) {
         while (!(span * T < now->T_max) && span > SHORTEST) span *= 0.5;
-        span = smaller(span, 1.0 - now->fraction);
     }
+    span = smaller(span, 1.0 - now->fraction); /* the next nominal instant is one in any case */
     const bool begins = !certified && (now->violations == 0 || last_T_max > T);
     now->span = span;
     now->violations += !certified;

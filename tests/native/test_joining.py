@@ -7,22 +7,16 @@ from math import nan
 import numpy as np
 import pytest
 
-from harness import OK, WARNING, Unpacked, random_start, starts
+from harness import ERROR, OK, WARNING, Instance, random_start, starts
 from psp_model import BEST_FIXED, PlatoonState, Sampling, simulate
 
 T, N = 0.01, 7
 FIXED = {"parameter_source": 2, "lemma1_policy": 3}
 
 
-@pytest.fixture(params=["native", "platoon"])
-def either_fmu(request) -> Unpacked:
-    """The native FMU, then the Python FMU."""
-    return request.getfixturevalue(f"{request.param}_fmu")
-
-
 @pytest.fixture
-def road(instances, either_fmu):
-    return instances(either_fmu)
+def road(instance):
+    return instance
 
 
 def join(behind: float, gap: float, speed: float) -> dict[str, float]:
@@ -103,8 +97,8 @@ def drive(road, seed: int, count: int, first: int) -> list[list[float]]:
     return seen
 
 
-def test_a_replay_from_a_saved_or_serialised_state_gives_the_identical_future(instances, either_fmu):
-    road, other = instances(either_fmu), instances(either_fmu)
+def test_a_replay_from_a_saved_or_serialised_state_gives_the_identical_future(road):
+    other = Instance(road.fmu)
     assert road.initialise(FIXED) == OK
     drive(road, 1, 60, 0)
     state = road.slave.getFMUstate()
@@ -120,3 +114,45 @@ def test_a_replay_from_a_saved_or_serialised_state_gives_the_identical_future(in
     assert road.call("fmi2Reset") == OK
     assert road.initialise(FIXED) == OK and other.initialise(FIXED) == OK
     assert road.outputs() == other.outputs()
+    other.close()
+
+
+def test_a_platoon_may_start_with_one_vehicle_and_be_left_with_one(road):
+    names = [name for name in road.fmu.reference if name[:2] in ("x[", "v[", "a[", "s[")]
+    names += ["T_max", "alpha", "r", "p", "n_active"]
+    seen = []
+    for n in (1, 2):
+        assert road.initialise(FIXED | {"n_start": n, "v_start[1]": 25.0}) == OK
+        assert road.set({"remove": float(n == 2), "remove_place": 2.0}) == OK
+        for k in range(50):
+            assert road.step(0.1 * k, 0.1) == OK
+        seen.append(road.get(*names))
+        assert road.set({"remove": 0.0, "remove_place": 1.0}) == OK and road.step(5.0, 0.1) == OK
+        assert road.set({"remove": 1.0}) == OK and road.step(5.1, 0.1) == WARNING
+        assert "last vehicle" in road.messages[-1][1]
+        assert road.call("fmi2Reset") == OK
+    assert seen[0] == seen[1] and seen[0][-1] == 1.0
+
+
+def test_a_lone_vehicle_at_rest_with_its_desired_speed_has_a_finite_bound(road):
+    assert road.initialise(FIXED | {"n_start": 1, "v_start[1]": 30.0}) == OK
+    assert road.get("T_max", "lemma1_ok") == [1e9, 1.0]
+
+
+def test_a_fallback_that_is_not_feasible_is_refused_before_it_is_needed(road):
+    assert road.initialise({"parameter_source": 1, "p_fixed": 8.0}) == ERROR
+    assert "max |V_new'|" in road.messages[-1][1]
+
+
+def test_joining_as_the_leader_with_a_gap_too_small_says_which_place(road):
+    assert road.initialise(FIXED | starts([20.0] * 6, [30.0] * 7) | {"n_start": 3}) == OK
+    assert road.set(join(0, 5.2, 30.0)) == OK and road.step(0.0, T) == WARNING
+    assert "at place 1 with a gap of 5.2 m at 30 m/s" in road.messages[-1][1]
+
+
+def test_without_a_network_for_as_many_vehicles_the_fixed_triple_takes_over(road):
+    assert road.initialise(starts(*random_start(33))) == OK
+    assert road.get("network_in_domain") == [1.0]
+    assert road.set({"remove": 1.0, "remove_place": 7.0}) == OK and road.step(0.0, T) == WARNING
+    assert "the initial state has 6 vehicles, for which there is no network here" in road.messages[-1][1]
+    assert road.get("network_in_domain", "r") == [0.0, 11.0]
