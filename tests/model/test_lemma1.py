@@ -176,4 +176,4 @@ def test_policy_2_says_where_the_model_ends() -> None:
     with pytest.raises(ModelError) as caught:
         platoon.advance_to(10, 0.0)
     assert caught.value.key == "left_gap" and "lemma1_policy 3" in str(caught.value)
-    assert platoon.now.s.min() <= PlatoonParameters().L < start.s.min()  # what is said is what is shown
+    assert platoon.now.s.min() <= start.constants.L < start.s.min()  # what is said is what is shown
