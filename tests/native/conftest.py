@@ -16,9 +16,10 @@ from harness import Instance, Unpacked
 FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"
 
 
-def built(runtime: str, vehicles: int, folder: Path) -> Unpacked:
+def built(runtime: str, vehicles: int, folder: Path, component: str = "platoon") -> Unpacked:
     """An FMU of ours, built and unpacked into a folder."""
-    assert build(["--runtime", runtime, "--vehicles", str(vehicles), "--output", str(folder)]) == 0
+    options = ["--component", component, "--runtime", runtime, "--vehicles", str(vehicles)]
+    assert build([*options, "--output", str(folder)]) == 0
     (path,) = folder.glob("*.fmu")
     return Unpacked(path, folder / "unpacked")
 
@@ -39,6 +40,18 @@ def native_fmu_of_three(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
 def native_fmu_of_twelve(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
     """PspPlatoonNative.fmu for up to 12 vehicles, without a network."""
     return built("native", 12, tmp_path_factory.mktemp("native12"))
+
+
+@pytest.fixture(scope="session")
+def native_controller_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
+    """PspControllerNative.fmu for up to 7 vehicles, with the networks."""
+    return built("native", 7, tmp_path_factory.mktemp("native_controller"), "controller")
+
+
+@pytest.fixture(params=["native", "native_controller"])
+def each_native_fmu(request: pytest.FixtureRequest) -> Unpacked:
+    """The native closed loop and the native controller in turn."""
+    return request.getfixturevalue(f"{request.param}_fmu")
 
 
 @pytest.fixture(scope="session")

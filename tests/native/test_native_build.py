@@ -29,12 +29,13 @@ FUNCTIONS = {  # FMI 2.0 for co-simulation
 }
 
 
-@pytest.fixture(scope="module")
-def everywhere(tmp_path_factory) -> Path:
-    """PspPlatoonNative.fmu for all platforms."""
+@pytest.fixture(scope="module", params=["platoon", "controller"])
+def everywhere(request, tmp_path_factory) -> Path:
+    """PspPlatoonNative.fmu and PspControllerNative.fmu for all platforms."""
     folder = tmp_path_factory.mktemp("all")
-    assert build(["--runtime", "native", "--platforms", "all", "--output", str(folder)]) == 0
-    return folder / "PspPlatoonNative.fmu"
+    options = ["--component", request.param, "--runtime", "native", "--platforms", "all"]
+    assert build([*options, "--output", str(folder)]) == 0
+    return next(folder.glob("*.fmu"))
 
 
 def _sources(fmu: Unpacked) -> dict[str, bytes]:
@@ -42,13 +43,22 @@ def _sources(fmu: Unpacked) -> dict[str, bytes]:
 
 
 def test_two_builds_are_the_same_bytes(everywhere, tmp_path):
-    assert build(["--runtime", "native", "--platforms", "all", "--output", str(tmp_path)]) == 0
-    assert (tmp_path / "PspPlatoonNative.fmu").read_bytes() == everywhere.read_bytes()
+    component = "controller" if "Controller" in everywhere.name else "platoon"
+    platforms = "host" if component == "controller" else "all"  # to save time: the compilers are the same
+    options = ["--component", component, "--runtime", "native", "--platforms", platforms]
+    assert build([*options, "--output", str(tmp_path)]) == 0
+    with ZipFile(tmp_path / everywhere.name) as again, ZipFile(everywhere) as first:
+        assert all(again.read(name) == first.read(name) for name in again.namelist())
+    if platforms == "all":
+        assert (tmp_path / everywhere.name).read_bytes() == everywhere.read_bytes()
 
 
-def test_fmpy_finds_nothing_to_complain_about(native_fmu):
+def test_fmpy_finds_nothing_to_complain_about(each_native_fmu):
     ran = subprocess.run(
-        [sys.executable, "-m", "fmpy", "validate", str(native_fmu.path)], capture_output=True, text=True, check=False
+        [sys.executable, "-m", "fmpy", "validate", str(each_native_fmu.path)],
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert ran.returncode == 0 and "No problems found" in ran.stdout
 
@@ -76,17 +86,17 @@ def _packed(folder: Path, tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
-def test_other_compilers_have_nothing_to_warn_about(native_fmu, tmp_path, compiler):
+def test_other_compilers_have_nothing_to_warn_about(each_native_fmu, tmp_path, compiler):
     if shutil.which(compiler) is None:
         pytest.skip(f"no {compiler} on this machine")
-    for name, content in _sources(native_fmu).items():
+    for name, content in _sources(each_native_fmu).items():
         (tmp_path / name).write_bytes(content)
     flags = ["-std=c11", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fPIC", "-c"]
     subprocess.run([compiler, *flags, *(str(path) for path in tmp_path.glob("*.c"))], check=True, cwd=tmp_path)
 
 
-def test_the_linux_library_needs_an_old_glibc_only_and_exports_fmi_only(native_fmu):
-    library = native_fmu.folder / "binaries" / "linux64" / "PspPlatoonNative.so"
+def test_the_linux_library_needs_an_old_glibc_only_and_exports_fmi_only(each_native_fmu):
+    (library,) = (each_native_fmu.folder / "binaries" / "linux64").glob("*.so")
     content = library.read_bytes()
     versions = {tuple(map(int, found.split(b"."))) for found in re.findall(rb"GLIBC_([0-9.]+)", content)}
     assert versions and max(versions) <= (2, 17)
@@ -99,7 +109,7 @@ def test_the_linux_library_needs_an_old_glibc_only_and_exports_fmi_only(native_f
 
 def test_the_macos_library_holds_both_architectures_signed(everywhere):
     with ZipFile(everywhere) as archive:
-        content = archive.read("binaries/darwin64/PspPlatoonNative.dylib")
+        content = archive.read(f"binaries/darwin64/{everywhere.stem}.dylib")
     magic, count = struct.unpack_from(">II", content)
     assert (magic, count) == (0xCAFEBABE, 2)
     seen = set()
@@ -123,20 +133,23 @@ def _load_commands(part: bytes) -> list[int]:
     return commands
 
 
-def test_the_windows_library_gives_the_same_numbers_under_wine(everywhere, native_fmu, c_host, tmp_path):
+def test_the_windows_library_gives_the_same_numbers_under_wine(
+    everywhere, native_fmu, native_controller_fmu, c_host, tmp_path
+):
     wine = shutil.which("wine64") or shutil.which("wine") or shutil.which("wine64", path="/usr/lib/wine")
     if wine is None:
         pytest.skip("no wine on this machine")
     source = (Path(__file__).parent / "c_host.c").read_bytes()
     host = compile_executable(source, tmp_path)
     with ZipFile(everywhere) as archive:
-        (tmp_path / "platoon.dll").write_bytes(archive.read("binaries/win64/PspPlatoonNative.dll"))
+        (tmp_path / "fmu.dll").write_bytes(archive.read(f"binaries/win64/{everywhere.stem}.dll"))
         guid = re.search(rb'guid="([^"]+)"', archive.read("modelDescription.xml"))[1].decode()
-    names = ["s[2]", "s[7]", "v[3]", "a[4]", "x[7]", "T_max", "J"]
-    arguments = host_arguments(native_fmu, 0.01, 500, *names)
+    fmu = native_controller_fmu if "Controller" in everywhere.name else native_fmu
+    names = [name for name in ("s[2]", "s[7]", "v[3]", "a[4]", "T_max", "r", "x[7]", "J") if name in fmu.reference]
+    arguments = host_arguments(fmu, 0.01, 500, *names)
     environment = os.environ | {"WINEPREFIX": str(tmp_path / "wine"), "WINEDEBUG": "-all", "DISPLAY": ""}
     environment["WINEDLLOVERRIDES"] = "mscoree,mshtml="  # no questions about packages that are not needed
-    command = [wine, str(host), "platoon.dll", "file:///C:/x", guid, *arguments[3:]]
+    command = [wine, str(host), "fmu.dll", "file:///C:/x", guid, *arguments[3:]]
     ran = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
     assert ran.returncode == 0, ran.stderr
     expected = subprocess.run([str(c_host), *arguments], capture_output=True, text=True, check=True).stdout
@@ -158,10 +171,11 @@ def compile_executable(source: bytes, folder: Path) -> Path:
     return host
 
 
-def test_a_short_run_of_the_fuzzer_finds_nothing():
+@pytest.mark.parametrize("component", ["platoon", "controller"])
+def test_a_short_run_of_the_fuzzer_finds_nothing(component):
     if fuzzing.compiler() is None:
         pytest.skip("no clang on this machine")
-    ran = fuzzing.fuzz(seconds=10)
+    ran = fuzzing.fuzz(seconds=7, component=component)
     assert ran.returncode == 0, ran.stderr[-3000:]
 
 

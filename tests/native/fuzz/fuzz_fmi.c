@@ -1,4 +1,4 @@
-/* libFuzzer harness of the native FMU: the input is a sequence of FMI calls with values, in any order.
+/* libFuzzer harness of a native FMU: the input is a sequence of FMI calls with values, in any order.
  *
  * Built with AddressSanitizer and UBSan by tests/native/fuzz/run.py.  Only arguments that no host may pass, such as
  * freed instances or arrays shorter than announced, are left out.

@@ -1,4 +1,4 @@
-"""Fuzzes the native FMU: python tests/native/fuzz/run.py SECONDS [JOBS]   (needs clang with libFuzzer)
+"""Fuzzes a native FMU: python tests/native/fuzz/run.py SECONDS [JOBS [platoon|controller]]   (clang with libFuzzer)
 
 Ten minutes on two cores: python tests/native/fuzz/run.py 600 2.  Inputs that fail lie in the folder named at the end.
 """
@@ -11,7 +11,7 @@ from pathlib import Path
 from shutil import which
 from tempfile import mkdtemp
 
-from fmu_src.native.build import native_platoon
+from fmu_src.native.build import native_controller, native_platoon
 from fmu_src.native.compile import FMI_HEADERS
 from fmu_src.python_runtime import network_for
 
@@ -23,9 +23,11 @@ def compiler() -> str | None:
     return next((path for name in ("clang", "clang-16", "clang-15", "clang-14") if (path := which(name))), None)
 
 
-def build(folder: Path, vehicles: int = 7) -> Path:
-    """The fuzzer for n vehicles."""
-    sources = native_platoon(vehicles, network_for(vehicles)).sources("{fuzz}")
+def build(folder: Path, component: str, vehicles: int = 7) -> Path:
+    """The fuzzer of a component for n vehicles."""
+    loop = component == "platoon"
+    fmu = native_platoon(vehicles, network_for(vehicles)) if loop else native_controller(vehicles)
+    sources = fmu.sources("{fuzz}")
     for name, content in sources.items():
         (folder / name).write_bytes(content)
     fuzzer = folder / "fuzz_fmi"
@@ -45,8 +47,8 @@ def build(folder: Path, vehicles: int = 7) -> Path:
     return fuzzer
 
 
-def fuzz(seconds: int, jobs: int = 1) -> subprocess.CompletedProcess[str]:
-    """Fuzz for some time; the exit status is 0 if nothing was found."""
+def fuzz(seconds: int, jobs: int = 1, component: str = "platoon") -> subprocess.CompletedProcess[str]:
+    """Fuzz a component for some time; the exit status is 0 if nothing was found."""
     folder = Path(mkdtemp(prefix="psp_fuzz_"))
     (folder / "corpus").mkdir()
     options = [
@@ -57,7 +59,7 @@ def fuzz(seconds: int, jobs: int = 1) -> subprocess.CompletedProcess[str]:
         "-print_final_stats=1",
     ]
     options += [f"-jobs={jobs}", f"-workers={jobs}"] if jobs > 1 else []
-    command = [str(build(folder)), *options, str(folder / "corpus")]
+    command = [str(build(folder, component)), *options, str(folder / "corpus")]
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
 
 
@@ -66,7 +68,8 @@ def main() -> int:
     if compiler() is None:
         print("no clang on this machine: apt install clang", file=sys.stderr)
         return 2
-    ran = fuzz(int(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 1)
+    jobs, component = (*sys.argv[2:], *("1", "platoon")[len(sys.argv) - 2 :])
+    ran = fuzz(int(sys.argv[1]), int(jobs), component)
     print(ran.stderr[-6000:])
     print(ran.args[0], "exit status", ran.returncode)
     return ran.returncode
