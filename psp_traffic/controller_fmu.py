@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
-from ctypes import byref, c_double, c_uint32
-from functools import cache
+from collections.abc import Callable, Mapping, Sequence
+from ctypes import byref, c_double, c_int, c_size_t, c_uint32, c_void_p
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
+
+_OTHERS = ("n_active", "resolve", "v_desired", "t_measured")  # inputs behind gaps and speeds
+_WARNING = 1  # the worst fmi2Status of a call that did its work
 
 
 class ControllerFmu:
@@ -30,7 +33,12 @@ class ControllerFmu:
         self.folder = extract(str(fmu), str(folder))
         self.description = read_model_description(self.folder)
         self.variables = {variable.name: variable for variable in self.description.modelVariables}
-        self.capacity = sum(name.startswith("a[") for name in self.variables)
+        n = self.capacity = sum(name.startswith("a[") for name in self.variables)
+        gaps, speeds = [f"s[{i}]" for i in range(2, n + 1)], [f"v[{i}]" for i in range(1, n + 1)]
+        self.inputs = (*gaps, *speeds, *_OTHERS)
+        named = (f"{name}[{i}]" for name in ("a", "saturated") for i in range(1, n + 1))
+        self.outputs = (*named, "lemma1_ok", "input_ok")
+        self.resting = np.array([float(self.variables[name].start) for name in self.inputs])  # start values
 
     def references(self, *names: str) -> Any:
         """Value references as fmpy takes them."""
@@ -72,9 +80,18 @@ class Platoon:
     name : of the instance
     parameters : start values by name
     T : sampling period and communication step [s]
+    inputs, outputs : where to keep them, as long as `fmu.inputs` and `fmu.outputs`; arrays of its own if not given
     """
 
-    def __init__(self, fmu: ControllerFmu, name: str, parameters: Mapping[str, float], T: float):
+    def __init__(
+        self,
+        fmu: ControllerFmu,
+        name: str,
+        parameters: Mapping[str, float],
+        T: float,
+        inputs: Vector | None = None,
+        outputs: Vector | None = None,
+    ):
         from fmpy.fmi2 import FMU2Slave
 
         self._callbacks = _callbacks()
@@ -85,24 +102,60 @@ class Platoon:
         )
         self._slave.instantiate(callbacks=self._callbacks)
         self._slave.setupExperiment(startTime=0.0)
-        n, self.T, self._step = fmu.capacity, T, 0
         for parameter, value in (dict(parameters) | {"T": T}).items():
             variable = fmu.variables[parameter]
             if variable.type == "Integer":
                 self._slave.setInteger([variable.valueReference], [int(value)])
             else:
                 self._slave.setReal([variable.valueReference], [float(value)])
-        self._fmu = fmu
-        gaps, speeds = [f"s[{i}]" for i in range(2, n + 1)], [f"v[{i}]" for i in range(1, n + 1)]
-        self._inputs = fmu.references(*gaps, *speeds, "n_active", "resolve", "v_desired", "t_measured")
-        names = [f"{name}[{i}]" for name in ("a", "saturated") for i in range(1, n + 1)]
-        self._outputs = fmu.references(*names, "lemma1_ok", "input_ok")
-        self._sent = (c_double * len(self._inputs))()
-        self._received = (c_double * len(self._outputs))()
-        self.s, self.v = np.full(n - 1, 20.0), np.full(n, 20.0)
+        self._fmu, self._name, self.T, self._step = fmu, name, T, 0
+        self.inputs = np.zeros(len(fmu.inputs)) if inputs is None else inputs
+        self.outputs = np.zeros(len(fmu.outputs)) if outputs is None else outputs
+        self.inputs[:] = fmu.resting
+        self._bind()
         self._started = False
         self.saturated = 0
         self.uncertified_from = self.fault_from = np.inf  # [s]
+
+    def _bind(self) -> None:
+        """The three calls of a step with their arguments made once: fmpy's own calls cost more than the controller."""
+        fmu, dll, component = self._fmu, self._slave.dll, c_void_p(self._slave.component)
+        self._now = c_double(0.0)
+
+        def bound(function: str, *arguments: Any) -> Callable[[], int]:
+            return partial(dll[function], component, *arguments)
+
+        def all_of(names: Sequence[str], values: Vector) -> tuple[Any, Any, Any]:
+            return fmu.references(*names), c_size_t(len(names)), values.ctypes.data_as(c_void_p)
+
+        self._do_step = bound("fmi2DoStep", self._now, c_double(self.T), c_int(1))
+        self._set_inputs = bound("fmi2SetReal", *all_of(fmu.inputs, self.inputs))
+        self._get_outputs = bound("fmi2GetReal", *all_of(fmu.outputs, self.outputs))
+
+    def _fail(self, function: str, status: int) -> None:
+        time = self._step * self.T
+        raise RuntimeError(f"{function} of {self._name} failed with status {status} at t = {time:g} s: see its message")
+
+    def decide(self) -> None:
+        """Go to the next sampling instant, hand `inputs` over there and fetch `outputs`.
+
+        Raises
+        ------
+        RuntimeError : where the FMU fails; its message has gone to Python's logging
+        """
+        if self._started:
+            self._now.value = self._step * self.T
+            if (status := self._do_step()) > _WARNING:
+                self._fail("fmi2DoStep", status)
+            self._step += 1
+        if (status := self._set_inputs()) > _WARNING:
+            self._fail("fmi2SetReal", status)
+        if not self._started:
+            self._slave.enterInitializationMode()
+            self._slave.exitInitializationMode()
+            self._started = True
+        if (status := self._get_outputs()) > _WARNING:
+            self._fail("fmi2GetReal", status)
 
     def command(self, s: Vector, v: Vector, measured_at: float, v_desired: float = -1.0) -> Vector:
         """Accelerations for the vehicles, from the inputs at this sampling instant.
@@ -117,26 +170,17 @@ class Platoon:
         -------
         (n,) array [m/s2]
         """
-        slave, n = self._slave, v.size
-        self.s[: n - 1], self.v[:n] = s, v
-        if self._started:
-            slave.fmi2DoStep(slave.component, self._step * self.T, self.T, 1)
-            self._step += 1
-        self._sent[:] = [*self.s, *self.v, float(n), 0.0, v_desired, measured_at]
-        slave.fmi2SetReal(slave.component, self._inputs, len(self._inputs), self._sent)
-        if not self._started:
-            slave.enterInitializationMode()
-            slave.exitInitializationMode()
-            self._started = True
-        slave.fmi2GetReal(slave.component, self._outputs, len(self._outputs), self._received)
-        capacity = self.v.size
-        self.saturated += int(sum(self._received[capacity : capacity + n]))
+        capacity, n = self._fmu.capacity, v.size
+        self.inputs[: n - 1], self.inputs[capacity - 1 : capacity - 1 + n] = s, v
+        self.inputs[-len(_OTHERS) :] = n, 0.0, v_desired, measured_at
+        self.decide()
+        self.saturated += int(self.outputs[capacity : capacity + n].sum())
         time = self._step * self.T
-        if not self._received[2 * capacity]:
+        if not self.outputs[2 * capacity]:
             self.uncertified_from = min(self.uncertified_from, time)
-        if not self._received[2 * capacity + 1]:
+        if not self.outputs[2 * capacity + 1]:
             self.fault_from = min(self.fault_from, time)
-        return np.array(self._received[:n])
+        return self.outputs[:n].copy()
 
     def reports(self) -> dict[str, float]:
         """What the controller says of itself."""
@@ -149,3 +193,48 @@ class Platoon:
         """Free the instance."""
         self._slave.terminate()
         self._slave.freeInstance()
+
+
+class Fleet:
+    """Platoons of equal size with an instance each; inputs and outputs are rows of two matrices.
+
+    Parameters
+    ----------
+    fmu : the unpacked FMU
+    platoons : how many
+    parameters : start values by name
+    T : sampling period and communication step [s]
+    """
+
+    def __init__(self, fmu: ControllerFmu, platoons: int, parameters: Mapping[str, float], T: float):
+        self._capacity = fmu.capacity
+        self._inputs = np.zeros((platoons, len(fmu.inputs)))
+        self._outputs = np.zeros((platoons, len(fmu.outputs)))
+        rows = zip(self._inputs, self._outputs, strict=True)
+        self._platoons = [
+            Platoon(fmu, f"platoon{k}", parameters, T, inputs, outputs) for k, (inputs, outputs) in enumerate(rows)
+        ]
+
+    def command(self, s: Vector, v: Vector, measured_at: float) -> Vector:
+        """Accelerations for the vehicles of all platoons.
+
+        Parameters
+        ----------
+        s, v : (K, n-1) gaps [m] and (K, n) speeds [m/s] of K platoons
+        measured_at : when [s]
+
+        Returns
+        -------
+        (K, n) array [m/s2]
+        """
+        before, n = self._capacity - 1, v.shape[1]
+        self._inputs[:, : n - 1], self._inputs[:, before : before + n] = s, v
+        self._inputs[:, -len(_OTHERS) :] = n, 0.0, -1.0, measured_at
+        for platoon in self._platoons:
+            platoon.decide()
+        return self._outputs[:, :n].copy()
+
+    def close(self) -> None:
+        """Free the instances."""
+        for platoon in self._platoons:
+            platoon.close()
