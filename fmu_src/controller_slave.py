@@ -14,7 +14,7 @@ from psp_model.controller import BadMeasurement, Command, ControllerSettings, Me
 from psp_model.errors import ModelError
 from psp_model.network import ParameterNetwork
 from psp_model.parameters import PotentialParameters
-from psp_model.platoon import TIME_TOLERANCE
+from psp_model.platoon import TIME_TOLERANCE, locate
 
 from .controller_variables import controller_table
 from .table_slave import LONGEST, TableSlave, logged
@@ -111,6 +111,7 @@ class PspController(TableSlave):
         assert controller is not None  # the launcher lets nobody step before initialisation has ended
         if step_size <= 0.0:
             return True
+        locate(end - self._start_time, self._value("T"))  # refuses more periods than can be counted
         self._stale = True
         while not self._starts_later(end):
             if self._ahead is not None:

@@ -103,6 +103,8 @@ SENTENCES = {
     "profile_time": "time %.10g s in row %d of the speed profile %s does not come after %.10g s: let times increase",
     "profile_speed": "speed %.10g m/s in row %d of the speed profile %s must lie in [0, %.10g] m/s: use a part of the "
     "profile that does, with speeds in m/s",
+    "periods": "%.10g s are more sampling periods of T = %.10g s than can be counted: take a shorter time or a "
+    "longer T",
     "short_periods": "more than max_short_periods = %d short sampling periods in one communication step, at "
     "t = %.10g s with T_max = %.10g s: raise max_short_periods, take shorter communication "
     "steps, or start further from L",

@@ -21,6 +21,7 @@ from .state import PlatoonState
 
 Vector = NDArray[np.float64]
 
+MOST_PERIODS = 9e15  # more cannot be told apart in double precision
 TIME_TOLERANCE = 1e-6  # [sampling periods] a time this close to a nominal sampling instant is that instant
 _SHORTEST = 2.0**-60  # [sampling periods] no period is cut further than this
 
@@ -118,8 +119,14 @@ def locate(time: float, T: float) -> tuple[int, float]:
     ----------
     time : time since the start [s]
     T : sampling period [s]
+
+    Raises
+    ------
+    ModelError : where that is more sampling periods than can be counted
     """
     periods = time / T
+    if not abs(periods) < MOST_PERIODS:
+        raise ModelError("periods", time, T)
     nearest = round(periods)
     if abs(periods - nearest) <= TIME_TOLERANCE:
         return nearest, 0.0

@@ -105,6 +105,14 @@ def test_a_bad_step_is_an_error_and_not_a_crash(instance, step):
     assert "step" in instance.messages[-1][1]
 
 
+@pytest.mark.parametrize(("T", "step"), [(0.01, 1e17), (0.01, 1e300), (5e-324, 1.0), (1e-300, 0.01)])
+def test_more_sampling_periods_than_can_be_counted_are_an_error_and_not_a_hang(instance, T, step):
+    assert instance.initialise({"T": T}) == OK
+    assert instance.step(0.0, step) == ERROR
+    sentence = instance.messages[-1][1]
+    assert f"{step:g} s are more sampling periods of T = {T:.10g} s than can be counted" in sentence
+
+
 def test_a_step_from_another_time_than_the_last_is_an_error(instance):
     assert instance.initialise() == OK
     assert instance.step(0.0, 0.01) == OK

@@ -23,7 +23,15 @@ _CALLS = 60  # in a session
 _NUMBERS = (0.0, 0.01, 1.0, 2.0, 5.0, 9.0, 20.0, 30.0, 35.0, -1.0, 1e300, -1e300, 1e-300, math.nan, math.inf, -math.inf)
 _PERIODS = (0.01, 0.005, 0.1, 0.0, -0.01, math.nan, math.inf, 1e-300)
 _STEPS = (0.0, 0.01, 0.005, 0.037, 0.3, 1e-9, -0.01, -1e300, 1e300, math.nan, math.inf, 1e17)
-_COMMON = ("SetupExperiment", "EnterInitializationMode", "ExitInitializationMode", "DoStep", "DoStep", "GetReal", "SetReal")
+_COMMON = (
+    "SetupExperiment",
+    "EnterInitializationMode",
+    "ExitInitializationMode",
+    "DoStep",
+    "DoStep",
+    "GetReal",
+    "SetReal",
+)
 
 
 class Session:
@@ -141,9 +149,9 @@ class Session:
             return self.raw.call(function, self.pick([None, references]), len(chosen) + 1, None)
         status = self.raw.call(function, references, len(chosen), values)
         outputs = set(self.raw.library.outputs)
-        if status <= WARNING and self.state == "stepped":
-            if any(math.isnan(value) for place, value in zip(chosen, values, strict=False) if place in outputs):
-                self.wrong("an output is NaN")
+        found = [value for place, value in zip(chosen, values, strict=False) if place in outputs]
+        if status <= WARNING and self.state == "stepped" and any(map(math.isnan, found)):
+            self.wrong("an output is NaN")
         return status
 
     def _SetReal(self, function: str) -> int:
@@ -294,4 +302,6 @@ def tell(outcome: Outcome) -> str:
     """For the summary."""
     found = outcome.tallies
     each = ", ".join(f"{name} {found[name]:,}" for name in (b.name for b in BUILDS) if name in found)
-    return f"{found['calls']:,} calls, {found['refused out of order']:,} of them refused as out of order; sessions: {each}"
+    return (
+        f"{found['calls']:,} calls, {found['refused out of order']:,} of them refused as out of order; sessions: {each}"
+    )

@@ -1,4 +1,4 @@
-"""Which FMI function may be called in which state: the table of the standard, written from it and from nothing of ours."""
+"""Which FMI function may be called in which state: the table of the standard, and nothing of ours."""
 
 from __future__ import annotations
 

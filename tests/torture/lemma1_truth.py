@@ -98,7 +98,7 @@ def _on_the_paper_s_runs(rng: np.random.Generator, old: bool, count: int) -> Lan
 
 
 def run(chunk: Chunk) -> Outcome:
-    """Four fifths anywhere in Omega, 2 to 50 vehicles, V_new and some V_old; the rest on runs from the paper's starts."""
+    """Four fifths anywhere in Omega, 2 to 50 vehicles, V_new and some V_old; the rest on the paper's runs."""
     outcome, rng = Outcome(), np.random.default_rng([7002, chunk.number])
     for vehicles in rng.permutation(np.arange(2, 51))[:10].tolist():
         lanes = draw(rng, vehicles, max(2, chunk.count * 2 // 25), old=bool(rng.random() < 0.2))

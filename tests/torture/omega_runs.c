@@ -54,7 +54,7 @@ void follow(int n, int count, int periods, int stall, const double *starts, doub
     for (int k = 0; k < count; k++, starts += GIVEN + 2 * n - 1, ends += AT_END + 2 * n - 1) {
         Platoon platoon = begin(n, starts);
         double instants = 1.0, shortened = 0.0, most = 0.0, room = INFINITY;
-        bool going = platoon_start(&platoon, &front);
+        bool going = platoon_sample(&platoon, &front, fmi2Error);
         enum Fate fate = look(&platoon, &room);
         while (fate == FINE && going && platoon.now.period < periods) {
             const int64_t period = platoon.now.period;

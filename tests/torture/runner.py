@@ -158,9 +158,8 @@ def run_all(pieces: Sequence[Piece], folder: Path, jobs: int, say: Callable[[str
                 totals[piece.trial.name].add(outcome)
                 wrong = f", {outcome.failures} WRONG: {outcome.violations[:1]}" if outcome.failures else ""
                 passed = time.monotonic() - begun
-                say(
-                    f"[{done}/{len(pieces)}, {passed:.0f} s] {piece.trial.name} {piece.number}: {outcome.count:,}{wrong}"
-                )
+                at = f"{done}/{len(pieces)}, {passed:.0f} s"
+                say(f"[{at}] {piece.trial.name} {piece.number}: {outcome.count:,}{wrong}")
         except KeyboardInterrupt:
             pool.shutdown(wait=False, cancel_futures=True)
             with lock:

@@ -60,8 +60,7 @@ fmi2Status backend_do_step(Backend *backend, double from, double size)
     const double T = part->settings.T, end = from + size;
     if (size <= 0.0) return fmi2OK;
     if (!((end - model->start_time) / T < PERIODS_MAX))
-        return front_fail(backend->front, "fmi2DoStep was asked for a step of %.10g s, more sampling periods than can be "
-                                          "counted: take a shorter step", size);
+        return front_fail(backend->front, PSP_SENTENCE_periods, end - model->start_time, T);
     model->stale = 1;
     for (; instant(model) < end - TIME_TOLERANCE * T; part->sampled++) { /* at the end newer inputs may come */
         if (!part->foreseen && !sample(backend)) return fmi2Error;

@@ -32,12 +32,9 @@ fmi2Status backend_do_step(Backend *backend, double from, double size)
     Platoon *platoon = &part->platoon;
     model->stale = 1;
     if (size > 0.0 && !part_make_changes(part, backend->front, model->values)) return fmi2Error;
-    const double periods = locate(from + size - model->start_time, platoon->T, &part->fraction);
-    if (!(fabs(periods) < PERIODS_MAX))
-        return front_fail(backend->front, "fmi2DoStep was asked for a step of %.10g s, more sampling periods than can be "
-                                          "counted: take a shorter step", size);
-    part->period = (int64_t)periods;
-    if (platoon_advance(platoon, backend->front, part->period, part->fraction)) return fmi2OK;
+    const double time = from + size - model->start_time, periods = locate(time, platoon->T, &part->fraction);
+    if (!(fabs(periods) < PERIODS_MAX)) front_fail(backend->front, PSP_SENTENCE_periods, time, platoon->T);
+    else if (platoon_advance(platoon, backend->front, part->period = (int64_t)periods, part->fraction)) return fmi2OK;
     part->period = platoon->now.period; /* the outputs then show the instant that was refused */
     part->fraction = platoon->now.fraction;
     return fmi2Error;

@@ -77,6 +77,7 @@ static bool best_by_rollout(Search *search, Shape *candidates)
 static bool choose_by_rollout(Front *front, const Constants *constants, const Weights *weights, double T,
                               const Request *request, Shape *shape)
 {
+    REQUIRE(request->horizon / T < PERIODS_MAX, PSP_SENTENCE_periods, request->horizon, T);
     Shape *candidates = malloc((size_t)request->rollouts * sizeof *candidates);
     Search *search = calloc(1, sizeof *search);
     bool done = false;
