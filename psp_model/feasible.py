@@ -35,12 +35,13 @@ def cell_bound(a: Any, b: Any, shape: PotentialShape, constants: Constants) -> t
     """Lower and upper bound of max |V'| over the cell [a, b] of the hill (ours).
 
     The lower bound is |V'| at the better end.  Between its ends a function leaves the chord by at most
-    (b - a)^2/8 times its largest second derivative, so the upper bound adds that with a bound on |V'''|, term by term
-    from the largest values that each factor takes on the cell.
+    (b - a)^2/8 times its largest second derivative, so the upper bound adds that with a bound on |V'''| from the
+    largest values that each factor takes on the cell.
 
     Parameters
     ----------
     a, b : arrays of the same shape, ends of the cells [m], r <= a < b <= r + 3
+    shape : with p >= 3
 
     Returns
     -------
@@ -51,17 +52,17 @@ def cell_bound(a: Any, b: Any, shape: PotentialShape, constants: Constants) -> t
     d, e = a - constants.L, constants.lam - a
     # |V'''| of the base: V = alpha e^3 / d, with every term of its third derivative positive
     base = shape.alpha * (6.0 / d + 18.0 * e / d**2 + 18.0 * e * e / d**3 + 6.0 * e**3 / d**4)
-    # the hill is q^p w with w = d^-2; q is largest, and |q'| smallest, where the cell is closest to the middle
+    # The hill is q^p / d^2; V''' d^2 = h3 - 6 h2/d + 18 h1/d^2 - 24 q^p/d^3, with h1..h3 the derivatives of q^p.  The
+    # bounds below give q the sign opposite to its own in h2 and h3.  What that adds is more than the last two terms
+    # can, as p >= 3 and q <= d^2 + max(q', 0) d, so that these need no bounds of their own (proof: docs/theory.md).
+    # q is largest, and |q'| smallest, where the cell is closest to the middle.
     inner = xp.maximum(xp.maximum(a - mid, mid - b), 0.0)
     outer = xp.maximum(xp.abs(a - mid), xp.abs(b - mid))
     q, q1 = 0.25 * HILL_WIDTH**2 - inner * inner, 2.0 * outer
     q_p3 = q ** (p - 3.0)
-    h0 = q_p3 * q * q * q
-    h1 = p * q_p3 * q * q * q1
     h2 = p * q_p3 * q * ((p - 1.0) * q1 * q1 + 2.0 * q)
     h3 = p * (p - 1.0) * q_p3 * q1 * ((p - 2.0) * q1 * q1 + 6.0 * q)
-    w = 1.0 / d**2
-    hill = w * (h3 + 6.0 * h2 / d + 18.0 * h1 / d**2 + 24.0 * h0 / d**3)
+    hill = (h3 + 6.0 * h2 / d) / d**2
     lower = xp.maximum(xp.abs(potential_slope(a, shape, constants)), xp.abs(potential_slope(b, shape, constants)))
     return lower, lower + (b - a) ** 2 / 8.0 * (base + shape.hill * hill)
 

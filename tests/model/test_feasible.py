@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -103,6 +104,29 @@ def test_cell_bound_bounds(shape: PotentialParameters, one: float, other: float)
     inside = np.abs(potential_slope(np.linspace(a, b, 1001), shape, CONSTANTS)).max()
     assert lower[0] <= inside * (1 + 1e-14)
     assert inside <= upper[0] * (1 + 1e-14) + 1e-14
+
+
+def test_cell_bound_holds_the_third_derivative_of_the_paper_s_potential() -> None:
+    """At 50,000 places, near L, at the hill's edges and with p = 3 among them; JAX differentiates the formula."""
+    jax = pytest.importorskip("jax")
+    rng, count = np.random.default_rng(4), 50_000
+    alpha, p = 10 ** rng.uniform(-3, -1, count), np.where(rng.random(count) < 0.3, 3.0, rng.uniform(3, 9, count))
+    r = 5 + np.where(rng.random(count) < 0.7, 10 ** rng.uniform(-6, 1, count), rng.uniform(0, 12, count))
+    depth = 10 ** rng.uniform(-2, np.log10(1.5), count)
+    s = np.where(rng.random(count) < 0.5, r + depth, r + 3.0 - depth)
+
+    def V(s: float, alpha: float, r: float, p: float) -> float:
+        return alpha * (20.0 - s) ** 3 / (s - 5.0) + ((r + 3.0 - s) * (s - r)) ** p / (s - 5.0) ** 2
+
+    third = jax.grad(jax.grad(jax.grad(V)))
+    with jax.enable_x64(True):
+        true = np.abs(np.asarray(jax.jit(jax.vmap(third))(s, alpha, r, p)))
+    width = 1e-3 * depth
+    shapes = SimpleNamespace(alpha=alpha, r=r, p=p, hill=1.0)
+    lower, upper = cell_bound(s, s + width, shapes, CONSTANTS)
+    rounding = 8.0 * np.spacing(upper) / width**2
+    assert ((upper - lower) * 8.0 / width**2 >= true * (1 - 1e-6) - rounding).all()
+    assert np.median(rounding / true) < 1e-6
 
 
 def test_cell_bound_tightens_with_the_square_of_the_width() -> None:
