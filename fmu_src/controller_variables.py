@@ -140,7 +140,7 @@ def leader_table(profile: bool = False) -> tuple[Variable, ...]:
     """
     speed = Variable("v", "Speed of the leader", "m/s", nominal=30, continuous=True)
     if profile:
-        text = "When the profile's time 0 is; outside the profile its first or last speed is held"
+        text = "When the profile begins, with its first row; before and after it the first and the last speed are held"
         return Variable("begin", text, "s", 0.0, nominal=10), speed
     wave = Wave()
     return (

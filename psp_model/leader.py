@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import cos, isfinite, pi
 from pathlib import Path
@@ -120,6 +120,8 @@ class Profile:
 def read_profile(path: Path, v_max: float = PlatoonParameters.v_max) -> Profile:
     """A speed profile from a CSV file: time [s] and speed [m/s] in two columns, below any comments (#) and one heading.
 
+    Time counts from the first row: recorded clocks begin anywhere.
+
     Parameters
     ----------
     path : the file
@@ -144,4 +146,5 @@ def read_profile(path: Path, v_max: float = PlatoonParameters.v_max) -> Profile:
                 continue  # the heading
             raise ModelError("profile_line", number, path.name, line[:40]) from None
         rows.append((time, speed))
-    return Profile([time for time, _ in rows], [speed for _, speed in rows], path.name, v_max)
+    found = Profile([time for time, _ in rows], [speed for _, speed in rows], path.name, v_max)
+    return replace(found, times=[time - found.times[0] for time in found.times])

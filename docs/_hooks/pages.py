@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 _CODE = re.compile(r"(^```.*?^```|`[^`\n]*`)", re.DOTALL | re.MULTILINE)
@@ -23,6 +23,7 @@ def on_page_markdown(markdown: str, **_: Any) -> str:
         if f"{{{{ {name} }}}}" in markdown:
             markdown = markdown.replace(f"{{{{ {name} }}}}", make())
     markdown = re.sub(r"\{\{ file (\S+) \}\}", lambda found: (ROOT / found[1]).read_text(encoding="utf-8"), markdown)
+    markdown = re.sub(r"\{\{ (traffic|sweep) (\S+) \}\}", lambda found: _OF_RESULTS[found[1]](found[2]), markdown)
     parts = _CODE.split(markdown)
     return "".join(part if index % 2 else _MATHS.sub(_mathml, part) for index, part in enumerate(parts))
 
@@ -55,6 +56,27 @@ def joining_variables() -> str:
     from fmu_src.variables import joining_names, platoon_table
 
     return _rows([row for row in platoon_table(_VEHICLES) if row.name in joining_names(_VEHICLES)])
+
+
+def traffic(situation: str) -> str:
+    """The table of a traffic situation, from benchmarks/results."""
+    from psp_traffic.compare import of_situation
+    from psp_traffic.results import read_results
+    from psp_traffic.summary import table
+
+    return table(of_situation(read_results(_RESULTS / "traffic.json")[1], situation))
+
+
+def sweep(situation: str) -> str:
+    """The tables of delay and lag in a situation, from benchmarks/results."""
+    from psp_traffic.results import read_results
+    from psp_traffic.sweep import of_sweep, sweep_text
+
+    return sweep_text(of_sweep(read_results(_RESULTS / f"traffic_sweep_{situation}.json")[1], situation))
+
+
+_RESULTS = ROOT / "benchmarks" / "results"
+_OF_RESULTS = {"traffic": traffic, "sweep": sweep}
 
 
 def _rows(table: Any) -> str:

@@ -63,7 +63,7 @@ def test_a_file_that_cannot_be_read(tmp_path):
 @pytest.fixture(scope="module")
 def profile_fmu(tmp_path_factory):
     folder = tmp_path_factory.mktemp("profile")
-    rows = [f"{time},{speed}" for time, speed in zip(TIMES, SPEEDS, strict=True)]
+    rows = [f"{time},{speed}" for time, speed in zip(np.add(TIMES, 100.0), SPEEDS, strict=True)]
     (folder / "own.csv").write_text("\ufeff" + "\n".join(["time [s],speed [m/s]", *rows]), encoding="utf-8")
     arguments = ["--component", "leader", "--profile", str(folder / "own.csv"), "--output", str(folder)]
     assert build(arguments) == 0
