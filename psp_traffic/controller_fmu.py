@@ -40,6 +40,23 @@ class ControllerFmu:
         self.outputs = (*named, "lemma1_ok", "input_ok")
         self.resting = np.array([float(self.variables[name].start) for name in self.inputs])  # start values
 
+    def require_room(self, vehicles: int) -> None:
+        """Check that this many vehicles fit.
+
+        Parameters
+        ----------
+        vehicles : n
+
+        Raises
+        ------
+        ValueError : where they do not
+        """
+        if vehicles > self.capacity:
+            raise ValueError(
+                f"{vehicles} vehicles do not fit: this controller is for {self.capacity} at most, build one with "
+                f"build_fmu.py --component controller --vehicles {vehicles}"
+            )
+
     def references(self, *names: str) -> Any:
         """Value references as fmpy takes them."""
         return (c_uint32 * len(names))(*(self.variables[name].valueReference for name in names))
@@ -171,6 +188,7 @@ class Platoon:
         (n,) array [m/s2]
         """
         capacity, n = self._fmu.capacity, v.size
+        self._fmu.require_room(n)
         self.inputs[: n - 1], self.inputs[capacity - 1 : capacity - 1 + n] = s, v
         self.inputs[-len(_OTHERS) :] = n, 0.0, v_desired, measured_at
         self.decide()
@@ -207,7 +225,7 @@ class Fleet:
     """
 
     def __init__(self, fmu: ControllerFmu, platoons: int, parameters: Mapping[str, float], T: float):
-        self._capacity = fmu.capacity
+        self._fmu = fmu
         self._inputs = np.zeros((platoons, len(fmu.inputs)))
         self._outputs = np.zeros((platoons, len(fmu.outputs)))
         rows = zip(self._inputs, self._outputs, strict=True)
@@ -227,7 +245,8 @@ class Fleet:
         -------
         (K, n) array [m/s2]
         """
-        before, n = self._capacity - 1, v.shape[1]
+        before, n = self._fmu.capacity - 1, v.shape[1]
+        self._fmu.require_room(n)
         self._inputs[:, : n - 1], self._inputs[:, before : before + n] = s, v
         self._inputs[:, -len(_OTHERS) :] = n, 0.0, -1.0, measured_at
         for platoon in self._platoons:

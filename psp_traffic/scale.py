@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from psp_model.state import StartDomain
 
-from .controller_fmu import ControllerFmu, Fleet
+from .controller_fmu import ControllerFmu, Fleet, Vector
 from .driver import Driver
 from .road import write_road, write_vehicles
-from .scenario import Scenario
+from .scenario import ROAD_END, Scenario
 from .simulation import running_sumo
 
 SIZE, SPACING = 10, 250.0  # vehicles in a platoon; [m] between leaders
@@ -37,10 +38,17 @@ class Cost:
     exchange: float
     controller: float
 
+    PARTS: ClassVar = ("sumo", "exchange", "controller")
+
+    @property
+    def total(self) -> float:
+        """All of it [s]."""
+        return self.sumo + self.exchange + self.controller
+
     @property
     def rate(self) -> float:
         """Thousand vehicle-steps per second."""
-        return 1e-3 * self.vehicles * self.steps / (self.sumo + self.exchange + self.controller)
+        return 1e-3 * self.vehicles * self.steps / self.total
 
 
 def many(platoons: int, road_end: float) -> Scenario:
@@ -59,17 +67,17 @@ def many(platoons: int, road_end: float) -> Scenario:
     return Scenario("many", gaps[1:], v.T.ravel(), x_leader=start)
 
 
-def cost(platoons: int, steps: int, driver: Driver, step: float = 0.01) -> Cost:
+def cost(platoons: int, steps: int, driver: Driver, *, exchange: bool = False, step: float = 0.01) -> Cost:
     """Run platoons of ten for some steps and see where the time goes.
 
     Parameters
     ----------
     platoons, steps : how many
     driver : the controller, or a model of SUMO's, which then drives alone
+    exchange : every vehicle is read and its speed set, as for the controller, but nobody decides anything: what a
+        controller outside SUMO costs at least
     step : of SUMO [s]
     """
-    from .scenario import ROAD_END
-
     scenario = many(platoons, ROAD_END)
     with TemporaryDirectory() as name:
         folder = Path(name)
@@ -79,14 +87,16 @@ def cost(platoons: int, steps: int, driver: Driver, step: float = 0.01) -> Cost:
             names = [str(i) for i in range(scenario.v.size)]
             for one in names:
                 sumo.vehicle.setLaneChangeMode(one, 0)
-                if driver.fmu is None:
+                if driver.fmu is None and not exchange:
                     sumo.vehicle.setMaxSpeed(one, scenario.v_star)
                 else:
                     sumo.vehicle.setSpeedMode(one, 0)
+            if exchange:
+                return _with_exchange(sumo, names, lambda s, v, time: (scenario.v_star - v) / step, steps, step)
             if driver.fmu is None:
                 return _of_sumo(sumo, len(names), steps)
             fleet = Fleet(ControllerFmu(driver.fmu, folder / "fmu"), platoons, driver.parameters, step)
-            found = _of_controllers(sumo, names, fleet, steps, step)
+            found = _with_exchange(sumo, names, fleet.command, steps, step)
             fleet.close()
             return found
 
@@ -98,8 +108,10 @@ def _of_sumo(sumo: Any, vehicles: int, steps: int) -> Cost:
     return Cost(vehicles, steps, perf_counter() - begin, 0.0, 0.0)
 
 
-def _of_controllers(sumo: Any, names: list[str], fleet: Fleet, steps: int, step: float) -> Cost:
-    """Read all vehicles, ask all controllers, set all speeds, and let SUMO step.
+def _with_exchange(
+    sumo: Any, names: list[str], decide: Callable[[Vector, Vector, float], Vector], steps: int, step: float
+) -> Cost:
+    """Read all vehicles, decide from gaps, speeds and time, set all speeds, and let SUMO step.
 
     Positions come from the distance driven, which SUMO gives at a lower price than the position on the map.
     """
@@ -111,7 +123,7 @@ def _of_controllers(sumo: Any, names: list[str], fleet: Fleet, steps: int, step:
         x = (begins + list(map(driven, names))).reshape(-1, SIZE)
         v = np.array(list(map(speed_of, names))).reshape(-1, SIZE)
         read = perf_counter()
-        a = fleet.command(x[:, :-1] - x[:, 1:], v, k * step)
+        a = decide(x[:, :-1] - x[:, 1:], v, k * step)
         decided = perf_counter()
         for name, speed in zip(names, (v + step * a).ravel().tolist(), strict=True):
             set_speed(name, speed)

@@ -10,10 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from psp_model import PlatoonState, PotentialParameters, simulate
+from build_fmu import main as build
+from psp_model import PlatoonState, PotentialParameters, StartDomain, simulate
+from psp_traffic.controller_fmu import ControllerFmu, Fleet, Platoon
 from psp_traffic.driver import Driver, controllers, sumo_drivers
 from psp_traffic.measures import Measures, contact, gaps, measure
 from psp_traffic.results import Results
+from psp_traffic.scale import SIZE, cost
 from psp_traffic.scenario import STOP_AND_GO, Scenario, highway, highway_apart, on_profile, ramp, stop_and_go
 from psp_traffic.simulation import Disturbance, Record
 from psp_traffic.simulation import simulate as drive
@@ -25,8 +28,8 @@ ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
-def fmu(controller_fmu):
-    return controller_fmu.path
+def fmu(native_controller_fmu):
+    return native_controller_fmu.path
 
 
 def v_new(fmu) -> Driver:
@@ -39,6 +42,45 @@ def test_a_run_is_repeatable(fmu):
         one, other = drive(scenario, driver), drive(scenario, driver)
         for name in ("x", "v", "on_road", "co2", "fuel"):
             np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+
+
+@pytest.mark.parametrize("scenario", [ramp(duration=20.0), replace(stop_and_go(), duration=15.0)], ids=["ramp", "wave"])
+def test_both_controllers_drive_alike(native_controller_fmu, python_controller_fmu, scenario):
+    disturbance = Disturbance(delay=0.1, lag=0.2)
+    by_native, by_python = (
+        drive(scenario, v_new(fmu.path), disturbance=disturbance)
+        for fmu in (native_controller_fmu, python_controller_fmu)
+    )
+    for name in ("x", "v", "on_road", "co2", "fuel"):
+        np.testing.assert_allclose(getattr(by_native, name), getattr(by_python, name), rtol=0, atol=1e-9)
+    assert by_native.reports == pytest.approx(by_python.reports, rel=0, abs=1e-9)
+
+
+def test_a_fleet_of_platoons_is_commanded_as_each_of_them_alone(fmu, tmp_path):
+    unpacked, count = ControllerFmu(fmu, tmp_path), 3
+    fleet = Fleet(unpacked, count, {"parameter_source": 2}, 0.01)
+    alone = [Platoon(unpacked, f"alone{k}", {"parameter_source": 2}, 0.01) for k in range(count)]
+    for k in range(5):
+        s, v = StartDomain().draw(np.random.default_rng(k), 5, count)
+        together = fleet.command(s.T, v.T, 0.01 * k)
+        one_by_one = [one.command(s[:, i], v[:, i], 0.01 * k) for i, one in enumerate(alone)]
+        np.testing.assert_array_equal(together, one_by_one)
+    with pytest.raises(RuntimeError, match="status 3"):
+        alone[0].command(np.array([4.0]), np.array([30.0, 30.0]), 0.05)
+        alone[0].command(np.array([4.0]), np.array([30.0, 30.0]), 0.06)
+    fleet.close()
+
+
+def test_the_cost_of_a_run_is_told_apart(fmu, tmp_path):
+    with pytest.raises(ValueError, match="10 vehicles do not fit"):
+        cost(1, 1, v_new(fmu))
+    options = ["--component", "controller", "--vehicles", str(SIZE), "--output", str(tmp_path)]
+    assert build(options) == 0
+    driver = v_new(tmp_path / "PspController.fmu")
+    of_controller, of_nobody = cost(2, 20, driver), cost(2, 20, driver, exchange=True)
+    of_sumo = cost(2, 20, sumo_drivers()[2])
+    assert {one.vehicles * one.steps for one in (of_controller, of_nobody, of_sumo)} == {20 * 2 * SIZE}
+    assert of_controller.controller > of_nobody.controller > of_sumo.controller == of_sumo.exchange == 0.0
 
 
 def test_sumos_vehicles_do_what_the_model_does_up_to_sumos_euler_step(fmu):
