@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 
-from fmu_src.python_runtime import NetworkFile, build_python_fmu, network_for
+from fmu_src.python_runtime import NetworkFile, build_python_fmu, networks_up_to
 from psp_model import ModelError
 
 COMPONENTS = ["platoon", "controller", "plant", "leader"]
@@ -37,13 +37,13 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     return parser.parse_args(arguments)
 
 
-def build_native(options: argparse.Namespace, network: NetworkFile | None) -> Path:
+def build_native(options: argparse.Namespace, networks: Mapping[int, NetworkFile]) -> Path:
     """Build the native FMU asked for.
 
     Parameters
     ----------
     options : from `parse`
-    network : that goes into the closed loop; the controller brings its own
+    networks : that go into the closed loop; the controller brings its own
 
     Raises
     ------
@@ -56,17 +56,17 @@ def build_native(options: argparse.Namespace, network: NetworkFile | None) -> Pa
     except ImportError as error:
         raise RuntimeError(f"the native FMU needs {error.name}: pip install 'psp-platoon[native]'") from None
     loop = options.component == "platoon"
-    fmu = native_platoon(options.vehicles, network) if loop else native_controller(options.vehicles)
+    fmu = native_platoon(options.vehicles, networks) if loop else native_controller(options.vehicles)
     return build_native_fmu(fmu, options.output, chosen_platforms(options.platforms))
 
 
-def build(options: argparse.Namespace, network: NetworkFile | None) -> Path:
+def build(options: argparse.Namespace, networks: Mapping[int, NetworkFile]) -> Path:
     """Build the FMU asked for.
 
     Parameters
     ----------
     options : from `parse`
-    network : that goes into the closed loop; the components for traffic bring their own
+    networks : that go into the closed loop; the components for traffic bring their own
 
     Raises
     ------
@@ -77,9 +77,9 @@ def build(options: argparse.Namespace, network: NetworkFile | None) -> Path:
     if options.component != "leader" and options.profile:
         raise RuntimeError(f"--component {options.component} takes no --profile: leave it out, or build the leader")
     if options.runtime == "native":
-        return build_native(options, network)
+        return build_native(options, networks)
     if options.component == "platoon":
-        return build_python_fmu(options.vehicles, options.output, network)
+        return build_python_fmu(options.vehicles, options.output, networks)
     from fmu_src import traffic_runtime as traffic
 
     makers: dict[str, Callable[[int, Path], Path]] = {
@@ -101,13 +101,14 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if options.vehicles < 2:
             raise ModelError("vehicles", options.vehicles)
-        network = network_for(options.vehicles, options.network) if options.component == "platoon" else None
-        path = build(options, network)
+        loop = options.component == "platoon"
+        networks = networks_up_to(options.vehicles, options.network) if loop else {}
+        path = build(options, networks)
     except (ModelError, OSError, RuntimeError) as error:
         print(f"build_fmu.py: {error}", file=sys.stderr)
         return 2
     print(f"{path}: {options.vehicles} vehicles, {path.stat().st_size / 1024:.0f} KiB")
-    if network is None and options.component == "platoon":
+    if loop and options.vehicles not in networks:
         print(
             f"There is no network for {options.vehicles} vehicles: parameter_source starts at 2, a fixed alpha, r, p."
         )

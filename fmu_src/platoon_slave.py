@@ -19,7 +19,7 @@ from psp_model.choose import ParameterSource, choose_for_any_number
 from psp_model.errors import ModelError
 from psp_model.feasible import require_feasible
 from psp_model.membership import OpenPlatoon, Refusal
-from psp_model.network import ParameterNetwork
+from psp_model.network import read_networks
 from psp_model.parameters import PlatoonParameters, PotentialParameters
 from psp_model.platoon import SampledPlatoon, locate
 from psp_model.state import PlatoonState, StartDomain
@@ -39,10 +39,9 @@ class PspPlatoon(TableSlave):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        self._trained: dict[str, Any] | None = self._config["network"]
-        self._networks: dict[int, ParameterNetwork] = {}
-        if self._trained:
-            self._networks[self.vehicles] = ParameterNetwork(Path(self.resources) / self._trained["file"])
+        self._trained: dict[int, dict[str, Any]] = {int(n): entry for n, entry in self._config["networks"].items()}
+        files = {n: entry["file"] for n, entry in self._trained.items()}
+        self._networks = read_networks(Path(self.resources), files)
         self._platoon: SampledPlatoon | None = None
         self._in_domain = 0.0
         self._triggers = self._place["insert"], self._place["remove"]
@@ -93,11 +92,12 @@ class PspPlatoon(TableSlave):
         return choose_for_any_number(s, v, self._constants(), *how)[0]
 
     def _lies_in_domain(self, platoon: SampledPlatoon) -> float:
-        """1.0 if the platoon is as many as this FMU's network is for, in its training domain, else 0.0."""
+        """1.0 if there is a network for so many vehicles and they are in its training domain, else 0.0."""
         now = platoon.now
-        if self._trained is None or now.v.size != self.vehicles:
+        trained = self._trained.get(now.v.size)
+        if trained is None:
             return 0.0
-        domain, constants = StartDomain(**self._trained["domain"]), PlatoonParameters(**self._trained["constants"])
+        domain, constants = StartDomain(**trained["domain"]), PlatoonParameters(**trained["constants"])
         return float(platoon.start.constants == constants and bool(domain.contains(now.s, now.v)))
 
     # joining and leaving

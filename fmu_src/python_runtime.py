@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import distribution, version
 from importlib.resources import files
 from pathlib import Path
@@ -95,6 +95,45 @@ def network_for(vehicles: int, path: Path | None = None) -> NetworkFile | None:
     return NetworkFile(path.name, path.read_bytes(), network.domain.as_dict(), dict(vars(network.constants)), network)
 
 
+def networks_up_to(capacity: int, path: Path | None = None) -> dict[int, NetworkFile]:
+    """This project's networks for 2 to N vehicles, by number of vehicles.
+
+    Parameters
+    ----------
+    capacity : N
+    path : a network of the user's own for N vehicles
+
+    Raises
+    ------
+    ModelError : where a file is unreadable or made for another number of vehicles
+    """
+    found = {n: network_for(n) for n in range(2, capacity + (path is None))}
+    networks = {n: network for n, network in found.items() if network is not None}
+    own = network_for(capacity, path) if path else None
+    if own is None:
+        return networks
+    taken = any(network.name == own.name for network in networks.values())
+    return networks | {capacity: replace(own, name=f"own_{own.name}") if taken else own}
+
+
+def notes_on_networks(networks: Mapping[int, NetworkFile]) -> list[str]:
+    """What the page of `PspPlatoon` says of its networks.
+
+    Parameters
+    ----------
+    networks : by number of vehicles
+    """
+    notes = []
+    for network in {network.name: network for network in networks.values()}.values():
+        numbers = ", ".join(str(n) for n, other in networks.items() if other.name == network.name)
+        bounds = ", ".join(f"{name} = {value:.10g}" for name, value in network.domain.items())
+        notes.append(
+            f"The network {network.name}, for {numbers} vehicles, was trained on starts with {bounds} (m, m/s, s)."
+        )
+    text = "For other numbers of vehicles, and outside that domain, alpha_fixed, r_fixed and p_fixed are used."
+    return [*notes, text] if notes else ["There is no network in this FMU, so parameter_source starts at 2."]
+
+
 def _model_sources(name: str) -> dict[str, bytes]:
     """The Python files of the model and of the slave of that name, by name."""
     model, slave = Path(psp_model.__file__).parent, Path(__file__).parent
@@ -138,35 +177,30 @@ def _requirements() -> str:
     return "".join(f"{name}>={version(name).split('.')[0]}.0\n" for name in ("numpy", "onnxruntime"))
 
 
-def _notes(vehicles: int, network: NetworkFile | None) -> list[str]:
-    if network is None:
-        return [f"There is no network for {vehicles} vehicles in this FMU, so parameter_source starts at 2.", NEEDS]
-    bounds = ", ".join(f"{name} = {value:.10g}" for name, value in network.domain.items())
-    return [f"The network {network.name} in resources/ was trained on starts with {bounds} (m, m/s, s).", NEEDS]
-
-
-def build_python_fmu(vehicles: int, output: Path, network: NetworkFile | None) -> Path:
+def build_python_fmu(vehicles: int, output: Path, networks: Mapping[int, NetworkFile]) -> Path:
     """Write PspPlatoon.fmu; the same tree gives the same bytes.
 
     Parameters
     ----------
-    vehicles : n, at least 2
+    vehicles : most vehicles N, at least 2
     output : folder
-    network : from `network_for`; without one parameter_source starts at 2
+    networks : from `networks_up_to`; without one for N parameter_source starts at 2
 
     Returns
     -------
     path of the FMU
     """
-    table = platoon_table(vehicles, default_source=1 if network else 2)
-    config = {
-        "vehicles": vehicles,
-        "default_source": 1 if network else 2,
-        "network": network and {"file": network.name, "domain": network.domain, "constants": network.constants},
+    source = 1 if vehicles in networks else 2
+    trained = {
+        n: {"file": network.name, "domain": network.domain, "constants": network.constants}
+        for n, network in networks.items()
     }
-    networks = [network] if network else []
-    more = layered_standard(table, reference_results(table, network.reader if network else None))
-    return pack_slave(NAME, DESCRIPTION, table, config, networks, _notes(vehicles, network), output, more)
+    table = platoon_table(vehicles, source)
+    config = {"vehicles": vehicles, "default_source": source, "networks": trained}
+    reader = networks[vehicles].reader if vehicles in networks else None
+    more = layered_standard(table, reference_results(table, reader))
+    notes = [*notes_on_networks(networks), NEEDS]
+    return pack_slave(NAME, DESCRIPTION, table, config, [*networks.values()], notes, output, more)
 
 
 def pack_slave(

@@ -9,20 +9,9 @@ from typing import Any
 from psp_model.leader import read_profile
 
 from .controller_variables import controller_table, leader_table, plant_table
-from .python_runtime import NEEDS, NetworkFile, network_for, pack_slave
+from .python_runtime import NEEDS, NetworkFile, networks_up_to, pack_slave
 
 CONTROLLER = "Commands accelerations to a platoon of vehicles from their measured gaps and speeds"
-
-
-def networks_up_to(capacity: int) -> dict[int, NetworkFile]:
-    """This project's networks for 2 to N vehicles, by number of vehicles.
-
-    Parameters
-    ----------
-    capacity : N
-    """
-    found = {n: network_for(n) for n in range(2, capacity + 1)}
-    return {n: network for n, network in found.items() if network is not None}
 
 
 def note_on_networks(capacity: int, networks: Mapping[int, NetworkFile]) -> str:
@@ -46,7 +35,6 @@ def _of_networks(capacity: int) -> tuple[dict[str, Any], list[NetworkFile], list
     config = {
         "vehicles": capacity,
         "default_source": 1 if networks else 2,
-        "network": None,
         "networks": {n: network.name for n, network in networks.items()},
     }
     return config, list(networks.values()), [note_on_networks(capacity, networks), NEEDS]

@@ -96,7 +96,7 @@ def _built(folder: Path, runtime: str) -> Path:
 
     arguments = ["--component", "controller", "--runtime", runtime, "--output", str(folder)]
     try:
-        return build_fmu.build(build_fmu.parse(arguments), None)
+        return build_fmu.build(build_fmu.parse(arguments), {})
     except RuntimeError as error:
         raise BadInput(str(error)) from None
 

@@ -12,8 +12,8 @@ from ..documentation import index_page
 from ..ecosystem import layered_standard, reference_results
 from ..model_description import Component, model_description
 from ..packing import content_digest, guid_of, write_fmu
-from ..python_runtime import NetworkFile
-from ..traffic_runtime import CONTROLLER, networks_up_to, note_on_networks
+from ..python_runtime import NetworkFile, networks_up_to, notes_on_networks
+from ..traffic_runtime import CONTROLLER, note_on_networks
 from ..variables import Variable, platoon_table
 from .compile import ENDINGS, FMI_HEADERS, FRONT, SOURCES, compile_library, host_platform
 from .kernels import kernels_header
@@ -90,30 +90,26 @@ def chosen_platforms(platforms: str) -> tuple[str, ...]:
     return PLATFORMS if platforms == "all" else (host_platform(),)
 
 
-def native_platoon(vehicles: int, network: NetworkFile | None) -> NativeFmu:
+def native_platoon(vehicles: int, networks: Mapping[int, NetworkFile]) -> NativeFmu:
     """The closed loop.
 
     Parameters
     ----------
-    vehicles : n, at least 2
-    network : from `network_for`; without one parameter_source starts at 2
+    vehicles : most vehicles N, at least 2
+    networks : from `networks_up_to`; without one for N parameter_source starts at 2
     """
-    if network is None:
-        text = f"There is no network for {vehicles} vehicles in this FMU, so parameter_source starts at 2."
-    else:
-        bounds = ", ".join(f"{name} = {value:.10g}" for name, value in network.domain.items())
-        text = f"Its network, {network.name}, was trained on starts with {bounds} (m, m/s, s)."
-    table = platoon_table(vehicles, default_source=1 if network else 2)
+    table = platoon_table(vehicles, 1 if vehicles in networks else 2)
+    reader = networks[vehicles].reader if vehicles in networks else None
     return NativeFmu(
         name="PspPlatoonNative",
         description=DESCRIPTION,
         header="platoon_model.h",
         vehicles=vehicles,
         table=table,
-        networks={vehicles: network} if network else {},
-        notes=(text, NEEDS),
+        networks=networks,
+        notes=(*notes_on_networks(networks), NEEDS),
         capabilities=(*_CAPABILITIES, "providesDirectionalDerivative"),
-        more=layered_standard(table, reference_results(table, network.reader if network else None)),
+        more=layered_standard(table, reference_results(table, reader)),
     )
 
 

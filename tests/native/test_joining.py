@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from math import nan
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from harness import ERROR, OK, WARNING, Instance, random_start, starts
-from psp_model import BEST_FIXED, PlatoonState, Sampling, simulate
+from psp_model import BEST_FIXED, PlatoonParameters, PlatoonState, Sampling, project, simulate
+from psp_model.network import read_networks
+
+ONNX = Path(__file__).parents[2] / "onnx"
 
 T, N = 0.01, 7
 FIXED = {"parameter_source": 2, "lemma1_policy": 3}
@@ -156,3 +160,18 @@ def test_without_a_network_for_as_many_vehicles_the_fixed_triple_takes_over(road
     assert road.set({"remove": 1.0, "remove_place": 7.0}) == OK and road.step(0.0, T) == WARNING
     assert "the initial state has 6 vehicles, for which there is no network here" in road.messages[-1][1]
     assert road.get("network_in_domain", "r") == [0.0, 11.0]
+
+
+def test_with_a_network_for_as_many_vehicles_it_is_asked_anew(road):
+    s, v = random_start(33)
+    assert road.initialise(starts(s, v)) == OK
+    network = read_networks(ONNX, {4: "platoon_4.onnx"})[4]
+    for k in range(3):
+        assert road.set({"remove": 1.0, "remove_place": 7.0 - k}) == OK
+        assert road.step(2e-7 * k, 1e-7) <= WARNING
+        assert road.set({"remove": 0.0}) == OK and road.step(2e-7 * k + 1e-7, 1e-7) == OK
+    chosen = project(
+        network.evaluate(np.array(road.group("s")[:3]), np.array(road.group("v")[:4])), PlatoonParameters()
+    )
+    assert road.get("network_in_domain") == [1.0]
+    np.testing.assert_allclose(road.get("alpha", "r", "p"), [chosen.alpha, chosen.r, chosen.p], rtol=1e-5)

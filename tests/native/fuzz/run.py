@@ -13,7 +13,7 @@ from tempfile import mkdtemp
 
 from fmu_src.native.build import native_controller, native_platoon
 from fmu_src.native.compile import FMI_HEADERS
-from fmu_src.python_runtime import network_for
+from fmu_src.python_runtime import networks_up_to
 
 SANITIZERS = "-fsanitize=fuzzer,address,undefined,float-cast-overflow"
 
@@ -26,7 +26,7 @@ def compiler() -> str | None:
 def build(folder: Path, component: str, vehicles: int = 7) -> Path:
     """The fuzzer of a component for n vehicles."""
     loop = component == "platoon"
-    fmu = native_platoon(vehicles, network_for(vehicles)) if loop else native_controller(vehicles)
+    fmu = native_platoon(vehicles, networks_up_to(vehicles)) if loop else native_controller(vehicles)
     sources = fmu.sources("{fuzz}")
     for name, content in sources.items():
         (folder / name).write_bytes(content)
