@@ -39,7 +39,7 @@ def sumo(
     starts: Annotated[
         int | None, typer.Option(help="How many. [default: 5, of a sweep 20]", min=1, show_default=False)
     ] = None,
-    duration: Annotated[float | None, typer.Option(help="Of every run [s].", min=15.0)] = None,
+    duration: Annotated[float | None, typer.Option(help="Of every run [s].", min=15.0, max=3600.0)] = None,
     profile: Annotated[
         Path | None,
         typer.Option(metavar="FILE.csv", help="Time [s] and speed [m/s] of the leader. [default: WLTC, phase High]"),
@@ -67,10 +67,10 @@ def sumo(
     if plot is not None and len(names) > 1:
         raise BadInput("--plot draws one situation: name one of " + ", ".join(names))
     seeds = range(seed, seed + (starts or (_SWEEP_STARTS if sweep else _STARTS)))
+    leader = _leader(profile, names)
     with TemporaryDirectory() as folder:
         used = fmu or _built(Path(folder), runtime)
         results = _results(output, used, profile, duration, sweep)
-        leader = _leader(profile)
         if sweep:
             _sweep(names, used, seeds, duration, results, plot)
         else:
@@ -101,10 +101,18 @@ def _built(folder: Path, runtime: str) -> Path:
         raise BadInput(str(error)) from None
 
 
-def _leader(profile: Path | None) -> Profile | None:
+def _leader(path: Path | None, names: Sequence[str]) -> Profile | None:
     from psp_model.leader import read_profile
+    from psp_traffic.scenario import LONGEST
 
-    return None if profile is None else read_profile(profile)
+    if path is None:
+        return None
+    if Situation.PROFILE not in names:
+        raise BadInput(f"--profile says nothing to {', '.join(names)}: leave it out, or run the situation profile")
+    found = read_profile(path)
+    if found.times[-1] > LONGEST:
+        raise BadInput(f"{path} lasts {found.times[-1]:g} s, more than {LONGEST:g} s: use a part of it")
+    return found
 
 
 def _results(output: Path | None, fmu: Path, profile: Path | None, duration: float | None, sweep: bool) -> Results:
@@ -120,7 +128,7 @@ def _results(output: Path | None, fmu: Path, profile: Path | None, duration: flo
         "sweep": sweep,
         "duration": duration,
         "controller": digest(fmu),
-        "profile": digest(profile or WLTC_HIGH) if profile is None or profile.exists() else None,
+        "profile": digest(profile or WLTC_HIGH),
         "sumo": version("libsumo"),
     }
     try:

@@ -12,7 +12,8 @@ from psp_model.leader import LeaderSpeed, Profile, Wave, read_profile
 from psp_model.state import StartDomain
 
 LENGTH = 5.0  # [m] of every vehicle: fronts L = 5 m apart means bumper to bumper
-RAMP_END, LANE_END, ROAD_END = 1000.0, 2200.0, 30_000.0  # [m] the ramp joins, its lane ends, the road ends
+RAMP_END, LANE_END, ROAD_END = 1000.0, 2200.0, 130_000.0  # [m] the ramp joins, its lane ends, the road ends
+LONGEST = 3600.0  # [s] of a run: nobody reaches the end of the road at v_max
 STOP_AND_GO = Wave(high=30.0, low=14.0, begin=10.0, period=40.0)
 WLTC_HIGH = Path(__file__).with_name("profiles") / "wltc_high.csv"
 _APART = StartDomain(gap_min=38.0, gap_max=48.0)  # SUMO's drivers want 37.5 m at 30 m/s: 1 s, 2.5 m and their length

@@ -130,35 +130,40 @@ class _Run:
         self.actual = np.zeros(scenario.vehicles)  # [m/s2] what the actuators do
 
     def go(self, to_contact: bool) -> Record:
-        sumo, n = self.sumo, len(self.names)
-        sumo.simulationStep()  # puts the vehicles on the road
+        n, platoon, leader = len(self.names), self.platoon, self.scenario.leader
+        self.sumo.simulationStep()  # puts the vehicles on the road
         self._hand_over()
         time = self.step * np.arange(round(self.scenario.duration / self.step), dtype=np.float64)
         x, v, road = np.zeros((time.size, n)), np.zeros((time.size, n)), np.zeros((time.size, n), dtype=bool)
-        co2, fuel = np.zeros(n), np.zeros(n)
+        emitted = np.zeros((2, n))  # [g] CO2 and fuel
         done = time.size
         for k in range(time.size):
-            for i, name in enumerate(self.names):
-                lane = sumo.vehicle.getLaneID(name)
-                x[k, i] = self.begins[lane.partition("_")[0]] + sumo.vehicle.getLanePosition(name)
-                v[k, i] = sumo.vehicle.getSpeed(name)
-                road[k, i] = lane != "beside_0"
-                co2[i] += 1e-3 * self.step * sumo.vehicle.getCO2Emission(name)
-                fuel[i] += 1e-3 * self.step * sumo.vehicle.getFuelConsumption(name)
-            if self.scenario.leader is not None:
-                sumo.vehicle.setSpeed("0", self.scenario.leader.speed((k + 1) * self.step))
-            if self.platoon is not None:
-                self._control(time[k], x[k], v[k], road[k])
+            self._read(x[k], v[k], road[k], emitted)
+            if leader is not None:
+                self.sumo.vehicle.setSpeed("0", leader.speed((k + 1) * self.step))
+            if platoon is not None:
+                self._control(platoon, time[k], x[k], v[k], road[k])
             else:
                 self._ease(time[k] + self.step, v[0])
             if to_contact and np.diff(np.sort(x[k, road[k]])).min() <= LENGTH:
                 done = k + 1
                 break
-            sumo.simulationStep()
-        reports = {} if self.platoon is None else self.platoon.reports()
-        if self.platoon is not None:
-            self.platoon.close()
-        return Record(time[:done], x[:done], v[:done], road[:done], co2, fuel, reports)
+            self.sumo.simulationStep()
+        reports = {} if platoon is None else platoon.reports()
+        if platoon is not None:
+            platoon.close()
+        return Record(time[:done], x[:done], v[:done], road[:done], emitted[0], emitted[1], reports)
+
+    def _read(self, x: Vector, v: Vector, on_road: NDArray[np.bool_], emitted: Vector) -> None:
+        """Where everybody is and how fast, into the given rows; emissions since the last step are added."""
+        vehicle = self.sumo.vehicle
+        for i, name in enumerate(self.names):
+            lane = vehicle.getLaneID(name)
+            x[i] = self.begins[lane.partition("_")[0]] + vehicle.getLanePosition(name)
+            v[i] = vehicle.getSpeed(name)
+            on_road[i] = lane != "beside_0"
+            emitted[0, i] += 1e-3 * self.step * vehicle.getCO2Emission(name)
+            emitted[1, i] += 1e-3 * self.step * vehicle.getFuelConsumption(name)
 
     def _hand_over(self) -> None:
         """Tell SUMO who drives what."""
@@ -177,10 +182,8 @@ class _Run:
             if time <= self.step or before > self.scenario.v_star:
                 self.sumo.vehicle.setMaxSpeed(name, max(now, self.scenario.v_star))
 
-    def _control(self, time: float, x: Vector, v: Vector, on_road: NDArray[np.bool_]) -> None:
+    def _control(self, platoon: Platoon, time: float, x: Vector, v: Vector, on_road: NDArray[np.bool_]) -> None:
         """Measure, ask the controller, and set the speeds that its accelerations lead to within a step."""
-        platoon = self.platoon
-        assert platoon is not None
         self._count_in(x, v)
         self.past.append((time, x.copy(), v.copy()))
         measured_at, x_seen, v_seen = self.past[0]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -104,18 +105,13 @@ def sweep(
     progress : called after each run
     """
     led = next(iter(starts.values())).leader is not None
-    found = {}
-    for driver in swept(fmu, led):
-        for delay in delays:
-            for lag in lags:
-                trials = []
-                for seed, scenario in starts.items():
-                    name = f"{scenario.name}; {driver.name}; start {seed}; delay {delay:g} s; lag {lag:g} s"
-                    row = results.run(name, partial(_try, scenario, driver, Disturbance(delay, lag), seed))
-                    trials.append(Trial(**row))
-                    progress()
-                found[driver.name, delay, lag] = Tolerance(tuple(trials))
-    return found
+    found: dict[Case, list[Trial]] = {}
+    for driver, delay, lag, (seed, scenario) in product(swept(fmu, led), delays, lags, starts.items()):
+        name = f"{scenario.name}; {driver.name}; start {seed}; delay {delay:g} s; lag {lag:g} s"
+        row = results.run(name, partial(_try, scenario, driver, Disturbance(delay, lag), seed))
+        found.setdefault((driver.name, delay, lag), []).append(Trial(**row))
+        progress()
+    return {case: Tolerance(tuple(trials)) for case, trials in found.items()}
 
 
 def _try(scenario: Scenario, driver: Driver, disturbance: Disturbance, seed: int) -> Row:

@@ -179,6 +179,24 @@ def test_the_command_line_keeps_its_runs_and_goes_on_from_them(fmu, tmp_path):
     assert ran.exit_code == 2 and "holds no results" in ran.output and kept.read_text() == "[]"
 
 
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("ramp", "--profile", "own.csv"), "--profile says nothing to ramp"),
+        (("profile", "--profile", "none.csv"), "none.csv cannot be read"),
+        (("profile", "--profile", "own.csv"), "lasts 4000 s, more than 3600 s"),
+        (("ramp", "--sweep"), "ramp is not swept"),
+        (("--plot", "gaps.png"), "--plot draws one situation"),
+        (("ramp", "--fmu", "none.fmu"), "none.fmu does not exist"),
+    ],
+)
+def test_what_the_command_line_refuses(arguments, words, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("own.csv").write_text("10,0\n4010,1\n")
+    ran = psp(*arguments)
+    assert ran.exit_code == 2 and ran.output.startswith("psp: ") and words in ran.output
+
+
 def test_a_sweep_ends_each_run_at_the_first_contact(fmu):
     starts = {1: highway(seed=1, duration=6.0)}
     runs = Results()
