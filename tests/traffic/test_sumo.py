@@ -114,7 +114,8 @@ def test_a_leader_drives_its_own_speed_whoever_follows(fmu):
         assert measure(record, on_profile()).collisions == 0
 
 
-def test_a_delay_of_half_a_second_is_felt(fmu):
+def test_a_delay_of_half_a_second_is_felt(native_controller_fmu):
+    fmu = native_controller_fmu.path
     scenario = highway(duration=6.0)
     plain, late = drive(scenario, v_new(fmu)), drive(scenario, v_new(fmu), disturbance=Disturbance(delay=0.5))
     assert measure(late, scenario).a_rms > measure(plain, scenario).a_rms
@@ -159,7 +160,8 @@ def psp(*arguments: object):
     return CliRunner().invoke(app, ["sumo", *map(str, arguments)])
 
 
-def test_the_command_line_keeps_its_runs_and_goes_on_from_them(fmu, tmp_path):
+def test_the_command_line_keeps_its_runs_and_goes_on_from_them(native_controller_fmu, tmp_path):
+    fmu = native_controller_fmu.path
     kept = tmp_path / "runs.json"
     options = ("highway-apart", "--fmu", fmu, "--duration", "15", "--starts", "1", "--output", kept)
     ran = psp(*options)
@@ -197,7 +199,8 @@ def test_what_the_command_line_refuses(arguments, words, tmp_path, monkeypatch):
     assert ran.exit_code == 2 and ran.output.startswith("psp: ") and words in ran.output
 
 
-def test_a_sweep_ends_each_run_at_the_first_contact(fmu):
+def test_a_sweep_ends_each_run_at_the_first_contact(native_controller_fmu):
+    fmu = native_controller_fmu.path
     starts = {1: highway(seed=1, duration=6.0)}
     runs = Results()
     found = sweep(starts, fmu, runs, delays=(0.0, 0.5), lags=(0.0, 0.8))
