@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: simulate test fmu lint clean
+.PHONY: simulate test fmu lint coverage mutation clean
 .DEFAULT_GOAL := simulate
 
 simulate: fmu
@@ -20,6 +20,14 @@ lint: $(VENV)/.test
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
+# which branches the tests reach; needs clang with llvm-cov for the C half
+coverage: $(VENV)/.test
+	$(BIN)/python tests/assurance/branches.py
+
+# the model changed one place at a time: does a test notice?
+mutation: $(VENV)/.test
+	$(BIN)/python tests/assurance/mutants.py
+
 # A stamp per set of extras: `make simulate` needs little, `make test` all that the tests drive.
 $(VENV)/.run: pyproject.toml | $(BIN)/python
 	PYTHONWARNINGS=ignore $(BIN)/python -m pip install --quiet --editable '.[report]'
@@ -34,4 +42,4 @@ $(BIN)/python:
 	$@ -m pip install --quiet --upgrade pip
 
 clean:
-	rm -rf dist out build *.egg-info .pytest_cache .hypothesis .mypy_cache .ruff_cache
+	rm -rf dist out build mutants *.egg-info .pytest_cache .hypothesis .mypy_cache .ruff_cache

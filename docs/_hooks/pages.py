@@ -24,6 +24,7 @@ def on_page_markdown(markdown: str, **_: Any) -> str:
             markdown = markdown.replace(f"{{{{ {name} }}}}", make())
     markdown = re.sub(r"\{\{ file (\S+) \}\}", lambda found: (ROOT / found[1]).read_text(encoding="utf-8"), markdown)
     markdown = re.sub(r"\{\{ (traffic|sweep) (\S+) \}\}", lambda found: _OF_RESULTS[found[1]](found[2]), markdown)
+    markdown = re.sub(r"\{\{ result (\w+) \}\}", lambda found: result(found[1]), markdown)
     parts = _CODE.split(markdown)
     return "".join(part if index % 2 else _MATHS.sub(_mathml, part) for index, part in enumerate(parts))
 
@@ -33,6 +34,14 @@ def _mathml(found: re.Match[str]) -> str:
 
     display = "block" if found[1] else "inline"
     return str(convert((found[1] or found[2]).strip(), display=display))
+
+
+def result(name: str) -> str:
+    """What a long run left in benchmarks/results, without its title."""
+    path = ROOT / "benchmarks" / "results" / f"{name}.md"
+    if not path.exists():
+        return f"No result of a whole run is kept in `benchmarks/results/{name}.md` for this version."
+    return re.sub(r"\A# .*\n", "", path.read_text(encoding="utf-8")).strip()
 
 
 def variables() -> str:
