@@ -49,7 +49,7 @@ def line(platoons: int, name: str, costs: list[Cost], cacc: list[Cost]) -> dict[
     ratios = [ours.rate / theirs.rate for ours, theirs in zip(costs, cacc, strict=True)]
     low, middle, high = quantiles(ratios, n=4, method="inclusive") if len(ratios) > 1 else 3 * ratios
     parts = {part: median(100 * getattr(one, part) / one.total for one in costs) for part in Cost.PARTS}
-    shares = {f"{part} [%]": round(share) for part, share in parts.items()}
+    shares = {f"{part} [%]".replace("sumo", "SUMO"): round(share) for part, share in parts.items()}
     rates = {"kvs/s": round(median(one.rate for one in costs), 1), f"{CACC}, kvs/s": round(median(map(_rate, cacc)), 1)}
     ratio = {"ratio": round(middle, 3), "quartiles": f"{low:.3f} to {high:.3f}"}
     return {"platoons of 10": platoons, "controller": name} | shares | rates | ratio

@@ -19,6 +19,7 @@ def on_page_markdown(markdown: str, **_: Any) -> str:
     """Fill in what stands in double braces, then set the mathematics."""
     makers = {"variables": variables, "messages": messages, "commands": commands}
     makers |= {"controller variables": controller_variables, "joining variables": joining_variables}
+    makers["cost in traffic"] = cost_in_traffic
     for name, make in makers.items():
         if f"{{{{ {name} }}}}" in markdown:
             markdown = markdown.replace(f"{{{{ {name} }}}}", make())
@@ -82,6 +83,15 @@ def sweep(situation: str) -> str:
     from psp_traffic.sweep import of_sweep, sweep_text
 
     return sweep_text(of_sweep(read_results(_RESULTS / f"traffic_sweep_{situation}.json")[1], situation))
+
+
+def cost_in_traffic() -> str:
+    """The table of benchmarks/traffic.py, from benchmarks/results."""
+    import json
+
+    rows = json.loads((_RESULTS / "traffic_cost.json").read_text(encoding="utf-8"))["rows"]
+    lines = ["| " + " | ".join(map(str, cells)) + " |" for cells in (rows[0], *(row.values() for row in rows))]
+    return "\n".join([lines[0], "|---" * len(rows[0]) + "|", *lines[1:]])
 
 
 _RESULTS = ROOT / "benchmarks" / "results"
