@@ -1,4 +1,4 @@
-"""C functions that an FMU rarely or never calls with difficult arguments, called alone: the projection, resource paths."""
+"""C functions that FMUs rarely or never call with difficult arguments, called alone: projection, resource paths."""
 
 from __future__ import annotations
 
