@@ -15,13 +15,14 @@
 
 #include "fmi2Functions.h"
 
-enum { MOTION = 4 * N - 1, OUTPUTS = MOTION + 10 };
+enum { MOTION = 4 * N - 1, REPORTS = 10, MEMBERS = N + 5, OUTPUTS = MOTION + REPORTS + MEMBERS };
 
 static const double L = 5.0, LAMBDA = 20.0, V_STAR = 30.0, V_MAX = 35.0, EPSILON = 0.2, MU = 0.5;
 static const double T = 0.01, W1 = 0.5, W2 = 0.5, A_REF = 4.0, S_REF = 20.0;
 
 typedef struct {
     double alpha, r, p, x, s[N - 1], v[N], a[N], T_max, of_acceleration, of_gaps, violations;
+    double members[MEMBERS]; /* how many vehicles, their numbers, and what became of changes: nothing */
     long on_hill;
 } Loop;
 
@@ -90,6 +91,7 @@ static void put_out(const Loop *loop, double *out)
                               loop->violations, loop->of_acceleration + loop->of_gaps, loop->of_acceleration,
                               loop->of_gaps};
     memcpy(out + MOTION, reports, sizeof reports);
+    memcpy(out + MOTION + REPORTS, loop->members, sizeof loop->members);
 }
 
 static void begin(Loop *loop, double gap)
@@ -98,6 +100,9 @@ static void begin(Loop *loop, double gap)
     loop->alpha = 1e-3, loop->r = 11.0, loop->p = 5.5;
     for (int i = 0; i < N; i++) loop->v[i] = 30.0 + 0.01 * (i % 7);
     for (int i = 0; i < N - 1; i++) loop->s[i] = gap + 0.05 * (i % 5);
+    loop->members[0] = N;
+    for (int i = 1; i <= N; i++) loop->members[i] = i;
+    loop->members[N + 1] = 1.0;
     feedback(loop);
 }
 

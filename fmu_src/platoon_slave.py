@@ -44,7 +44,7 @@ class PspPlatoon(TableSlave):
         self._networks = read_networks(Path(self.resources), files)
         self._platoon: SampledPlatoon | None = None
         self._in_domain = 0.0
-        self._triggers = self._place["insert"], self._place["remove"]
+        self._insert, self._remove = self._place["insert"], self._place["remove"]
         self._become(Members())
 
     def _become(self, members: Members) -> None:
@@ -104,8 +104,8 @@ class PspPlatoon(TableSlave):
 
     def _make_changes(self) -> None:
         """Let a vehicle leave, then one join, where the triggers have risen."""
-        insert, remove = (self._values[place] for place in self._triggers)
-        before = self._members
+        before, values = self._members, self._values
+        insert, remove = values[self._insert], values[self._remove]
         if insert == before.insert and remove == before.remove:
             return
         at = locate(self._time - self._start_time, self._value("T"))

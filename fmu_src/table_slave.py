@@ -64,6 +64,8 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         self._time = 0.0  # [s] last communication point
         self._initialising = False
         self._stale = True  # the outputs in _values lag behind
+        # Real and Integer variables read last, found to be in order
+        self._read: dict[bool, list[int]] = {False: [], True: []}
 
     def _make_table(self) -> tuple[Variable, ...]:
         raise NotImplementedError
@@ -85,17 +87,21 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
     def _get(self, references: list[int], integer: bool) -> list[float]:
         if self._stale:
             self._refresh()
-        values, table = self._values, self._table
-        for reference in references:
-            if not (0 <= reference < len(table) and table[reference].integer is integer):
-                raise ModelError("reference", reference, "Integer" if integer else "Real")
+        if references != self._read[integer]:  # most hosts read the same variables in every step
+            for reference in references:
+                self._require_variable(reference, integer)
+            self._read[integer] = list(references)
+        values = self._values
         return [values[reference] for reference in references]
+
+    def _require_variable(self, reference: int, integer: bool) -> None:
+        if not (0 <= reference < len(self._table) and self._table[reference].integer is integer):
+            raise ModelError("reference", reference, "Integer" if integer else "Real")
 
     def _set(self, references: list[int], values: list[float], integer: bool) -> None:
         inputs = True
         for reference in references:
-            if not (0 <= reference < len(self._table) and self._table[reference].integer is integer):
-                raise ModelError("reference", reference, "Integer" if integer else "Real")
+            self._require_variable(reference, integer)
             row = self._table[reference]
             if row.input:
                 continue

@@ -64,7 +64,35 @@ def test_what_the_network_chooses_has_no_derivative_and_says_so(native):
     assert status == ERROR and "set parameter_source to 2" in native.messages[-1][1]
 
 
-def test_after_initialisation_there_is_nothing_to_derive_by(native):
+def test_fewer_vehicles_than_places_have_the_same_derivatives_and_the_other_places_none(native):
+    values = starts(*random_start(8)) | {"parameter_source": 2, "n_start": 4}
+    at, h = values["s_start[4]"], 1e-6
+    slope = (_initial(native, values | {"s_start[4]": at + h}) - _initial(native, values | {"s_start[4]": at - h})) / (
+        2 * h
+    )
+    assert native.call("fmi2Reset") == OK
+    assert native.set(values) == OK and native.call("fmi2EnterInitializationMode") == OK
+    status, derivative = _derivative(native, ["s_start[4]"], [1.0])
+    assert status == OK and slope[3] != 0.0
+    np.testing.assert_allclose(derivative, slope, rtol=1e-5, atol=1e-6)
+    _, behind = _derivative(native, ["s_start[5]", "v_start[6]"], [1.0, 1.0])
+    assert not behind.any()
+
+
+def test_a_lone_vehicle_has_derivatives_by_its_speed_only(native):
+    values = {"parameter_source": 2, "n_start": 1, "v_start[1]": 25.0}
+    assert native.set(values) == OK and native.call("fmi2EnterInitializationMode") == OK
+    status, derivative = _derivative(native, ["v_start[1]", "s_start[2]"], [1.0, 1.0])
+    assert status == OK and np.isfinite(derivative).all()
+    gain = 0.5 + 35.0 / (30.0 * 5.0) * 0.1  # mu + g(0)
+    assert derivative[0] == pytest.approx(-gain) and not derivative[1:7].any()
+
+
+def test_after_initialisation_outputs_depend_on_no_parameter_and_on_no_input_at_once(native):
     assert native.initialise({"parameter_source": 2}) == OK
     assert _derivative(native, [], [])[0] == OK
     assert _derivative(native, ["s_start[2]"], [1.0])[0] == ERROR
+    assert "initialization mode" in native.messages[-1][1]
+    assert native.call("fmi2Reset") == OK and native.initialise({}) == OK
+    status, derivative = _derivative(native, ["insert", "insert_gap"], [1.0, 1.0])
+    assert status == OK and not derivative.any()

@@ -61,17 +61,6 @@ static void put_motion(const Instant *seen, size_t n, double *outputs)
     memset(outputs + AT(PSP_s) + n - 1, 0, missing);
 }
 
-static void put_members(const Part *part, double *outputs)
-{
-    const Members *members = &part->members;
-    outputs[AT(PSP_n_active)] = (double)part->platoon.now.n;
-    memcpy(outputs + AT(PSP_vehicle), members->vehicles, sizeof members->vehicles);
-    outputs[AT(PSP_change_ok)] = members->change_ok;
-    outputs[AT(PSP_gap_offered)] = members->gap_offered;
-    outputs[AT(PSP_changes)] = (double)members->changes;
-    outputs[AT(PSP_refusals)] = (double)members->refusals;
-}
-
 bool part_put_out(Backend *backend, double *outputs)
 {
     const Part *part = &backend->model.part;
@@ -89,6 +78,6 @@ bool part_put_out(Backend *backend, double *outputs)
     outputs[AT(PSP_J)] = seen->cost_acceleration + seen->cost_gaps;
     outputs[AT(PSP_J_acceleration)] = seen->cost_acceleration;
     outputs[AT(PSP_J_gap)] = seen->cost_gaps;
-    put_members(part, outputs);
+    memcpy(outputs + AT(PSP_n_active), &part->members.told, sizeof part->members.told);
     return true;
 }

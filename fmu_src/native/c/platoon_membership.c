@@ -31,10 +31,8 @@ static double is_in_domain(const Platoon *platoon)
 
 void part_begin(Part *part, int n)
 {
-    memset(&part->members, 0, sizeof part->members);
-    part->members.change_ok = 1.0;
-    part->members.joined = n;
-    for (int i = 0; i < n; i++) part->members.vehicles[i] = i + 1;
+    part->members = (Members){.told = {.n_active = n, .change_ok = 1.0}, .joined = n};
+    for (int i = 0; i < n; i++) part->members.told.vehicles[i] = i + 1;
     part->in_domain = is_in_domain(&part->platoon);
 }
 
@@ -44,15 +42,16 @@ static void take_over(Part *part, Work *work)
     part->platoon = work->trial;
     part->in_domain = is_in_domain(&part->platoon);
     warn_of_fallback(work->front, &part->platoon.constants, &work->request);
-    part->members.changes++;
-    part->members.change_ok = 1.0;
+    part->members.told.n_active = (double)part->platoon.now.n;
+    part->members.told.changes++;
+    part->members.told.change_ok = 1.0;
 }
 
-static void refuse(Members *members, double gap_offered)
+static void refuse(Told *told, double gap_offered)
 {
-    members->refusals++;
-    members->change_ok = 0.0;
-    members->gap_offered = gap_offered;
+    told->refusals++;
+    told->change_ok = 0.0;
+    told->gap_offered = gap_offered;
 }
 
 /* The trial begins as the platoon at the time of the change; the verdict of an earlier sampling then is void. */
@@ -158,7 +157,7 @@ static bool find_gap(Work *work, const Joining *asked, double *offered)
 /* NAN as it is printed everywhere. */
 static double printable(double value) { return isnan(value) ? (double)NAN : value; }
 
-static bool refuse_join(Work *work, Members *members, const Joining *asked)
+static bool refuse_join(Work *work, Told *told, const Joining *asked)
 {
     const int place = asked->place + 1;
     const double gap = printable(asked->gap), T = work->part->platoon.T;
@@ -168,7 +167,7 @@ static bool refuse_join(Work *work, Members *members, const Joining *asked)
         front_log(work->front, fmi2Warning, PSP_SENTENCE_insert_gap, place, gap, asked->speed, T, offered);
     else
         front_log(work->front, fmi2Warning, PSP_SENTENCE_insert_none, place, gap, asked->speed, T);
-    refuse(members, offered);
+    refuse(told, offered);
     return true;
 }
 
@@ -199,14 +198,14 @@ static bool join(Part *part, Work *work, const double *values)
     Members *members = &part->members;
     bool certified;
     if (!may_join(work, values)) {
-        refuse(members, 0.0);
+        refuse(&members->told, 0.0);
         return true;
     }
     const Joining asked = {(int)values[PSP_insert_behind], values[PSP_insert_gap], values[PSP_insert_speed]};
     if (!try_join(work, &asked, true, &certified)) return false;
-    if (!certified) return refuse_join(work, members, &asked);
+    if (!certified) return refuse_join(work, &members->told, &asked);
     take_over(part, work);
-    double *at = members->vehicles + asked.place;
+    double *at = members->told.vehicles + asked.place;
     memmove(at + 1, at, (size_t)(part->platoon.now.n - 1 - asked.place) * sizeof *at);
     *at = (double)++members->joined;
     return true;
@@ -242,20 +241,20 @@ static bool leave(Part *part, Work *work, const double *values)
     Members *members = &part->members;
     const double place = values[PSP_remove_place];
     if (!may_leave(work, place)) {
-        refuse(members, 0.0);
+        refuse(&members->told, 0.0);
         return true;
     }
     const int gone = (int)place - 1, left = (int)work->seen.n - 1;
     take_out(work, gone);
     if (!choose(work)) return false;
     if (!platoon_sample(&work->trial, work->front, fmi2Warning)) {
-        refuse(members, 0.0);
+        refuse(&members->told, 0.0);
         return true;
     }
     take_over(part, work);
-    double *at = members->vehicles + gone;
+    double *at = members->told.vehicles + gone;
     memmove(at, at + 1, (size_t)(left - gone) * sizeof *at);
-    members->vehicles[left] = 0.0;
+    members->told.vehicles[left] = 0.0;
     return true;
 }
 

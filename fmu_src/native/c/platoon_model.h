@@ -4,12 +4,15 @@
 
 #include "platoon.h"
 
-/* Which vehicles there are, and what became of the changes asked for. */
+/* The outputs on joining and leaving, in the order of the table; vehicles are numbers, leader first, then zeros. */
 typedef struct {
-    double change_ok, gap_offered; /* [1], [m] */
-    double insert, remove;         /* the triggers when the last step began */
-    int64_t joined, changes, refusals;
-    double vehicles[PSP_N]; /* numbers, leader first; 0 behind the last */
+    double n_active, vehicles[PSP_N], change_ok, gap_offered, changes, refusals;
+} Told;
+
+typedef struct {
+    Told told;
+    double insert, remove; /* the triggers when the last step began */
+    int64_t joined;        /* vehicles there have been */
 } Members;
 
 typedef struct {
