@@ -169,6 +169,20 @@ def test_policy_2_warns_once_per_stretch_and_counts_every_instant() -> None:
     assert len(sentences) == stretches > 0
 
 
+def test_a_resumed_platoon_is_silent_until_it_is_told_whom_to_warn() -> None:
+    start, sampling = PlatoonState(*start_too_fast_for(0.02)), Sampling(0.02, Lemma1Policy.WARN)
+    original = SampledPlatoon(start, V_OLD, sampling=sampling)
+    resumed = SampledPlatoon.resume(start, V_OLD, original.weights, sampling, original.now)
+    for platoon in (original, resumed):
+        platoon.advance_to(100, 0.0)
+    assert resumed.now.violations == original.now.violations > 0
+    sentences: list[str] = []
+    again = SampledPlatoon.resume(start, V_OLD, original.weights, sampling, original.now)
+    again.now, again.warn = SampledPlatoon(start, V_OLD, sampling=sampling).now, sentences.append
+    again.advance_to(100, 0.0)
+    assert sentences and np.array_equal(again.now.v, resumed.now.v)
+
+
 def test_policy_2_says_where_the_model_ends() -> None:
     """Driven far beyond its certificate, a gap can pass L; the run must stop there and not divide by zero."""
     start = PlatoonState(np.array([5.5, 9.0]), np.array([0.0, V_MAX, V_MAX]))

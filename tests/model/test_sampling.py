@@ -13,10 +13,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from psp_model import BEST_FIXED, V_OLD, Lemma1Policy, ObjectiveWeights, PlatoonState, SampledPlatoon, Sampling
+from psp_model import (
+    BEST_FIXED,
+    V_OLD,
+    Lemma1Policy,
+    ModelError,
+    ObjectiveWeights,
+    PlatoonState,
+    SampledPlatoon,
+    Sampling,
+)
 from psp_model.feedback import feedback
 from psp_model.lemma1 import largest_period
-from psp_model.platoon import TIME_TOLERANCE, Instant, Observation, locate
+from psp_model.platoon import MOST_PERIODS, TIME_TOLERANCE, Instant, Observation, locate
 from strategies import CONSTANTS, paper_start
 
 T = 0.01  # [s]
@@ -134,6 +143,23 @@ def test_at_a_sampling_instant_acceleration_and_T_max_belong_to_the_state_shown(
         assert run.now.T_max == largest_period(seen.s, seen.v, seen.a, CONSTANTS)
 
 
+def test_sampling_again_at_the_same_instant_replaces_its_verdict_and_later_adds_to_it() -> None:
+    run = CASES["policy 3, shortened"]()
+    first = run.now
+    assert first.violations == 1
+    run.take_over(0, 0.0, first.x, first.s, first.v, V_OLD)
+    assert run.now.violations == 1
+    apart = np.full(first.s.size, 40.0)
+    run.take_over(0, 0.0, first.x, apart, first.v, V_OLD)
+    assert run.now.violations == 0 and run.now.T_max > T
+    run.take_over(0, 0.0, first.x, first.s, first.v, V_OLD)
+    assert run.now.violations == 1
+    run.take_over(0, 0.5 * run.now.span, first.x, first.s, first.v, V_OLD)
+    assert run.now.violations == 2
+    run.take_over(0, run.now.fraction, first.x, apart, first.v, V_OLD)
+    assert run.now.violations == 1
+
+
 def test_policy_3_spans_are_dyadic_and_end_at_nominal_instants() -> None:
     run = CASES["policy 3, shortened"]()
     nominal, shortened = set(), 0
@@ -210,6 +236,18 @@ def test_locate_rounds_to_a_nominal_instant_within_its_tolerance_only(k: int, no
     assert near == (k, 0.0)
     far = locate((k + 0.5 + 0.49 * noise) * period, period)
     assert far[0] == k and far[1] == pytest.approx(0.5 + 0.49 * noise, abs=1e-9 + 10 * rounding)
+
+
+def test_locate_at_the_ends_of_its_tolerance_and_of_what_can_be_counted() -> None:
+    assert locate(TIME_TOLERANCE, 1.0) == (0, 0.0)
+    assert locate(float(np.nextafter(TIME_TOLERANCE, 1.0)), 1.0)[1] > 0.0
+    assert locate(MOST_PERIODS - 1.0, 1.0) == (int(MOST_PERIODS) - 1, 0.0)
+    for time in (MOST_PERIODS, -MOST_PERIODS, float("inf"), float("nan")):
+        with pytest.raises(ModelError) as caught:
+            locate(time, 1.0)
+        assert caught.value.key == "periods"
+    with pytest.raises(ModelError, match=r"^1e\+200 s are more .* T = 0\.25 s"):
+        locate(1e200, 0.25)
 
 
 def test_the_platoon_drives_far_without_losing_its_gaps() -> None:
