@@ -210,7 +210,7 @@ def sweep_text(found: Mapping[Case, Tolerance]) -> str:
     parts = []
     for driver in dict.fromkeys(name for name, *_ in found):
         touched, unwarned, times = warnings(found, driver)
-        text = f"{touched} runs with a contact, {unwarned} of them without a violation before it"
+        text = f"Runs with a contact: {touched}, without a violation before it: {unwarned}"
         if times:
             text += f"; in the others the first violation came {times[0]:.2f} to {times[-1]:.2f} s before the contact"
             text += f" (median {float(np.median(times)):.2f} s)"

@@ -21,7 +21,8 @@ from psp_traffic.scenario import STOP_AND_GO, Scenario, highway, highway_apart, 
 from psp_traffic.simulation import Disturbance, Record
 from psp_traffic.simulation import simulate as drive
 from psp_traffic.summary import table
-from psp_traffic.sweep import of_sweep, sweep, sweep_text
+from psp_traffic.sweep import Tolerance, Trial, of_sweep, sweep, sweep_text
+from psp_view.traffic import draw_following, draw_tolerance
 
 pytest.importorskip("libsumo")
 ROOT = Path(__file__).parents[2]
@@ -218,6 +219,30 @@ def test_several_starts_become_one_row():
     (row,) = table({"V_new": [good, bad]}).splitlines()[2:]
     assert row.startswith("| V_new | 2 (in 1 of 2) | 1.00 (0.00) | 3.00 (3.00) |")
     assert "| 3000 (1000) |" in row and "| 4.0 (never) | - |" in row
+
+
+def test_the_map_of_a_sweep_says_what_happened_in_each_field():
+    fine, bad = Trial(np.inf, np.inf, 1.25, 0.4), Trial(3.0, 2.5, 0.0, 2.0)
+    found = {("V_new", 0.0, 0.0): Tolerance((fine, fine)), ("V_new", 0.0, 0.5): Tolerance((fine, bad))}
+    figure = draw_tolerance(found, "by hand", "psp sumo")
+    axes = figure.axes[0]
+    assert [text.get_text() for text in axes.texts] == ["1.25 m", "1 of 2"]
+    np.testing.assert_array_equal(axes.images[0].get_array(), [[0.0, 0.5]])
+    assert sweep_text(found).endswith(
+        "| **0 s** | 1.25 m | 1 of 2, 2.5 s |\n\nRuns with a contact: 1, without a violation before it: 0; in the others "
+        "the first violation came 0.50 to 0.50 s before the contact (median 0.50 s)."
+    )
+
+
+def test_the_picture_of_a_run_shows_free_gaps_and_ends_at_the_contact(native_controller_fmu):
+    scenario = stop_and_go(duration=3.0)
+    record = drive(scenario, controllers(native_controller_fmu.path, led=True)[0])
+    touching = replace(record, x=record.x + np.where(record.time >= 2.0, 10.0, 0.0)[:, None] * (np.arange(7) == 6))
+    figure = draw_following({"free": record, "touching": touching}, 3.0, "by hand", "psp sumo")
+    gap = figure.axes[0].lines[5]
+    np.testing.assert_allclose(gap.get_ydata(), record.x[:, 5] - record.x[:, 6] - 5.0)
+    assert [text.get_text() for text in figure.axes[2].texts] == ["contact at 2.0 s"]
+    assert not figure.axes[0].texts and len(figure.axes[1].lines) == 7
 
 
 def test_the_example_runs(capsys):
