@@ -171,22 +171,19 @@ def _cell(row: Tolerance) -> str:
     return f"{row.gap_min:.2f} m{warned}"
 
 
-def warnings(found: Mapping[Case, Tolerance], driver: str) -> tuple[int, int, list[float]]:
-    """How well T_max announces a contact.
+def announced(trials: Sequence[Trial]) -> str:
+    """How many contacts there were, and how long before each T_max or the state space told of trouble.
 
     Parameters
     ----------
-    found : from `sweep`
-    driver : its name
-
-    Returns
-    -------
-    runs with a contact; those of them without a violation before it; times from violation to contact of the others [s]
+    trials : the runs
     """
-    trials = [trial for (name, *_), row in found.items() if name == driver for trial in row.trials]
     touched = [trial for trial in trials if np.isfinite(trial.contact)]
-    times = sorted(trial.contact - trial.violation for trial in touched if trial.violation < trial.contact)
-    return len(touched), len(touched) - len(times), times
+    times = [trial.contact - trial.violation for trial in touched if trial.violation < trial.contact]
+    text = f"contacts {len(touched)} in {len(trials)} runs, without a violation before {len(touched) - len(times)}"
+    if times:
+        text += f", otherwise {min(times):.2f} to {max(times):.2f} s before (median {float(np.median(times)):.2f} s)"
+    return text
 
 
 def title(scenario: str, starts: int) -> str:
@@ -201,7 +198,7 @@ def title(scenario: str, starts: int) -> str:
 
 
 def sweep_text(found: Mapping[Case, Tolerance]) -> str:
-    """The tables of a sweep in Markdown, and below each what T_max said before contacts.
+    """The tables of a sweep in Markdown, and below each how contacts were announced.
 
     Parameters
     ----------
@@ -209,10 +206,9 @@ def sweep_text(found: Mapping[Case, Tolerance]) -> str:
     """
     parts = []
     for driver in dict.fromkeys(name for name, *_ in found):
-        touched, unwarned, times = warnings(found, driver)
-        text = f"Runs with a contact: {touched}, without a violation before it: {unwarned}"
-        if times:
-            text += f"; in the others the first violation came {times[0]:.2f} to {times[-1]:.2f} s before the contact"
-            text += f" (median {float(np.median(times)):.2f} s)"
-        parts.append(f"{driver}:\n\n{tolerance_table(found, driver)}\n\n{text}.")
+        of_driver = {case: row for case, row in found.items() if case[0] == driver}
+        prompt = [trial for (_, delay, _), row in of_driver.items() if delay == 0 for trial in row.trials]
+        late = [trial for (_, delay, _), row in of_driver.items() if delay > 0 for trial in row.trials]
+        told = f"Without delay: {announced(prompt)}. With delay: {announced(late)}."
+        parts.append(f"{driver}:\n\n{tolerance_table(found, driver)}\n\n{told}")
     return "\n\n".join(parts)

@@ -82,7 +82,8 @@ def sweep(situation: str) -> str:
     from psp_traffic.results import read_results
     from psp_traffic.sweep import of_sweep, sweep_text
 
-    return sweep_text(of_sweep(read_results(_RESULTS / f"traffic_sweep_{situation}.json")[1], situation))
+    file = {"highway": "traffic_sweep_highway.json", "stop-and-go": "traffic_sweep_wave.json"}[situation]
+    return sweep_text(of_sweep(read_results(_RESULTS / file)[1], situation))
 
 
 def cost_in_traffic() -> str:
