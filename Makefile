@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: simulate test fmu lint coverage mutation clean
+.PHONY: simulate test fmu lint coverage mutation traffic clean
 .DEFAULT_GOAL := simulate
 
 simulate: fmu
@@ -27,6 +27,18 @@ coverage: $(VENV)/.test
 # the model changed one place at a time: does a test notice?
 mutation: $(VENV)/.test
 	$(BIN)/python tests/assurance/mutants.py
+
+# the runs in SUMO behind docs/traffic.md from scratch, tables and pictures: about three quarters of an hour
+RESULTS := benchmarks/results
+traffic: $(VENV)/.test
+	rm -f $(RESULTS)/traffic.json $(RESULTS)/traffic_sweep_*.json
+	$(BIN)/psp sumo --runtime native --output $(RESULTS)/traffic.json
+	$(BIN)/psp sumo profile --runtime native --output $(RESULTS)/traffic.json --plot docs/images/traffic_profile.png
+	$(BIN)/psp sumo highway --sweep --runtime native --output $(RESULTS)/traffic_sweep_highway.json \
+		--plot docs/images/traffic_sweep_highway.png
+	$(BIN)/psp sumo stop-and-go --sweep --starts 5 --runtime native --output $(RESULTS)/traffic_sweep_wave.json \
+		--plot docs/images/traffic_sweep_wave.png
+	rm -f docs/images/traffic_*.svg
 
 # A stamp per set of extras: `make simulate` needs little, `make test` all that the tests drive.
 $(VENV)/.run: pyproject.toml | $(BIN)/python
