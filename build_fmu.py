@@ -12,7 +12,7 @@ from fmu_src.python_runtime import NetworkFile, build_python_fmu, networks_up_to
 from psp_model import ModelError
 
 COMPONENTS = ["platoon", "controller", "plant", "leader"]
-NATIVE = ("platoon", "controller")  # components with a native runtime
+CONTROLLED = ("platoon", "controller")  # components with networks, and with a native runtime
 
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:
@@ -37,27 +37,40 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     return parser.parse_args(arguments)
 
 
+def networks_for(options: argparse.Namespace) -> dict[int, NetworkFile]:
+    """The networks that go into the FMU asked for, by number of vehicles.
+
+    Parameters
+    ----------
+    options : from `parse`
+
+    Raises
+    ------
+    ModelError : where a file is unreadable or made for another number of vehicles
+    """
+    return networks_up_to(options.vehicles, options.network) if options.component in CONTROLLED else {}
+
+
 def build_native(options: argparse.Namespace, networks: Mapping[int, NetworkFile]) -> Path:
     """Build the native FMU asked for.
 
     Parameters
     ----------
     options : from `parse`
-    networks : that go into the closed loop; the controller brings its own
+    networks : from `networks_for`
 
     Raises
     ------
     RuntimeError : where what builds the native FMU is missing, or there is none
     """
-    if options.component not in NATIVE:
-        raise RuntimeError(f"--component {options.component} has the runtime python only: leave --runtime native out")
+    if options.component not in CONTROLLED:
+        raise RuntimeError(f"--component {options.component} has no native runtime: leave --runtime native out")
     try:
         from fmu_src.native.build import build_native_fmu, chosen_platforms, native_controller, native_platoon
     except ImportError as error:
         raise RuntimeError(f"the native FMU needs {error.name}: pip install 'psp-platoon[native]'") from None
-    loop = options.component == "platoon"
-    fmu = native_platoon(options.vehicles, networks) if loop else native_controller(options.vehicles)
-    return build_native_fmu(fmu, options.output, chosen_platforms(options.platforms))
+    make = native_platoon if options.component == "platoon" else native_controller
+    return build_native_fmu(make(options.vehicles, networks), options.output, chosen_platforms(options.platforms))
 
 
 def build(options: argparse.Namespace, networks: Mapping[int, NetworkFile]) -> Path:
@@ -66,14 +79,14 @@ def build(options: argparse.Namespace, networks: Mapping[int, NetworkFile]) -> P
     Parameters
     ----------
     options : from `parse`
-    networks : that go into the closed loop; the components for traffic bring their own
+    networks : from `networks_for`
 
     Raises
     ------
     RuntimeError : where an option does not apply, or what builds the native FMU is missing
     """
-    if options.component != "platoon" and options.network:
-        raise RuntimeError(f"--component {options.component} brings its own networks: leave --network out")
+    if options.component not in CONTROLLED and options.network:
+        raise RuntimeError(f"--component {options.component} has no network: leave --network out")
     if options.component != "leader" and options.profile:
         raise RuntimeError(f"--component {options.component} takes no --profile: leave it out, or build the leader")
     if options.runtime == "native":
@@ -83,7 +96,7 @@ def build(options: argparse.Namespace, networks: Mapping[int, NetworkFile]) -> P
     from fmu_src import traffic_runtime as traffic
 
     makers: dict[str, Callable[[int, Path], Path]] = {
-        "controller": traffic.build_controller_fmu,
+        "controller": partial(traffic.build_controller_fmu, networks=networks),
         "plant": traffic.build_plant_fmu,
         "leader": partial(traffic.build_leader_fmu, profile=options.profile),
     }
@@ -101,14 +114,13 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if options.vehicles < 2:
             raise ModelError("vehicles", options.vehicles)
-        loop = options.component == "platoon"
-        networks = networks_up_to(options.vehicles, options.network) if loop else {}
+        networks = networks_for(options)
         path = build(options, networks)
     except (ModelError, OSError, RuntimeError) as error:
         print(f"build_fmu.py: {error}", file=sys.stderr)
         return 2
     print(f"{path}: {options.vehicles} vehicles, {path.stat().st_size / 1024:.0f} KiB")
-    if loop and options.vehicles not in networks:
+    if options.component == "platoon" and options.vehicles not in networks:
         print(
             f"There is no network for {options.vehicles} vehicles: parameter_source starts at 2, a fixed alpha, r, p."
         )

@@ -117,7 +117,7 @@ def networks_up_to(capacity: int, path: Path | None = None) -> dict[int, Network
 
 
 def notes_on_networks(networks: Mapping[int, NetworkFile]) -> list[str]:
-    """What the page of `PspPlatoon` says of its networks.
+    """What the page of an FMU says of its networks.
 
     Parameters
     ----------

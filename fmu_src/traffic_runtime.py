@@ -9,52 +9,31 @@ from typing import Any
 from psp_model.leader import read_profile
 
 from .controller_variables import controller_table, leader_table, plant_table
-from .python_runtime import NEEDS, NetworkFile, networks_up_to, pack_slave
+from .python_runtime import NEEDS, NetworkFile, notes_on_networks, pack_slave
 
 CONTROLLER = "Commands accelerations to a platoon of vehicles from their measured gaps and speeds"
 
 
-def note_on_networks(capacity: int, networks: Mapping[int, NetworkFile]) -> str:
-    """What the page of a component says of its networks.
-
-    Parameters
-    ----------
-    capacity : N
-    networks : by number of vehicles
-    """
-    known = ", ".join(map(str, networks)) or "no number of"
-    return (
-        f"For 1 to {capacity} vehicles. It has networks for {known} vehicles; for other numbers, and outside their "
-        "training domain, alpha_fixed, r_fixed and p_fixed are used, with a warning."
-    )
-
-
-def _of_networks(capacity: int) -> tuple[dict[str, Any], list[NetworkFile], list[str]]:
-    """Configuration, networks and notes of a component for 1 to N vehicles."""
-    networks = networks_up_to(capacity)
-    config = {
-        "vehicles": capacity,
-        "default_source": 1 if networks else 2,
-        "networks": {n: network.name for n, network in networks.items()},
-    }
-    return config, list(networks.values()), [note_on_networks(capacity, networks), NEEDS]
-
-
-def build_controller_fmu(capacity: int, output: Path) -> Path:
+def build_controller_fmu(capacity: int, output: Path, networks: Mapping[int, NetworkFile]) -> Path:
     """Write PspController.fmu.
 
     Parameters
     ----------
     capacity : most vehicles N, at least 2
     output : folder
+    networks : from `networks_up_to`; without any parameter_source starts at 2
 
     Returns
     -------
     path of the FMU
     """
-    config, networks, notes = _of_networks(capacity)
-    table = controller_table(capacity, config["default_source"])
-    return pack_slave("PspController", CONTROLLER, table, config, networks, notes, output)
+    config: dict[str, Any] = {
+        "vehicles": capacity,
+        "default_source": 1 if networks else 2,
+        "networks": {n: network.name for n, network in networks.items()},
+    }
+    table, notes = controller_table(capacity, config["default_source"]), [*notes_on_networks(networks), NEEDS]
+    return pack_slave("PspController", CONTROLLER, table, config, list(networks.values()), notes, output)
 
 
 def build_plant_fmu(vehicles: int, output: Path) -> Path:

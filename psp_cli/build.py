@@ -17,11 +17,20 @@ def build(
     platforms: Annotated[
         Literal["host", "all"], typer.Option(help="Native: libraries for this machine, or for all platforms.")
     ] = "host",
+    component: Annotated[
+        Literal["platoon", "controller", "plant", "leader"],
+        typer.Option(help="The closed loop; for traffic: the controller, ideal vehicles, a leader's speed."),
+    ] = "platoon",
     network: Network = None,
+    profile: Annotated[
+        Path | None, typer.Option(metavar="FILE.csv", help="Leader: speed profile to drive instead of a wave.")
+    ] = None,
 ) -> None:
-    """Build the FMU of a platoon."""
+    """Build an FMU: a platoon, or a part of one for traffic."""
     import build_fmu
 
     arguments = ["--vehicles", str(vehicles), "--output", str(output), "--runtime", runtime, "--platforms", platforms]
-    arguments += ["--network", str(network)] if network else []
+    arguments += ["--component", component]
+    for name, file in (("--network", network), ("--profile", profile)):
+        arguments += [name, str(file)] if file else []
     raise typer.Exit(build_fmu.main(arguments))

@@ -94,9 +94,9 @@ def _situations(situation: Situation, sweep: bool) -> list[str]:
 def _built(folder: Path, runtime: str) -> Path:
     import build_fmu
 
-    arguments = ["--component", "controller", "--runtime", runtime, "--output", str(folder)]
+    options = build_fmu.parse(["--component", "controller", "--runtime", runtime, "--output", str(folder)])
     try:
-        return build_fmu.build(build_fmu.parse(arguments), {})
+        return build_fmu.build(options, build_fmu.networks_for(options))
     except RuntimeError as error:
         raise BadInput(str(error)) from None
 

@@ -12,8 +12,8 @@ from ..documentation import index_page
 from ..ecosystem import layered_standard, reference_results
 from ..model_description import Component, model_description
 from ..packing import content_digest, guid_of, write_fmu
-from ..python_runtime import NetworkFile, networks_up_to, notes_on_networks
-from ..traffic_runtime import CONTROLLER, note_on_networks
+from ..python_runtime import NetworkFile, notes_on_networks
+from ..traffic_runtime import CONTROLLER
 from ..variables import Variable, platoon_table
 from .compile import ENDINGS, FMI_HEADERS, FRONT, SOURCES, compile_library, host_platform
 from .kernels import kernels_header
@@ -113,14 +113,14 @@ def native_platoon(vehicles: int, networks: Mapping[int, NetworkFile]) -> Native
     )
 
 
-def native_controller(capacity: int) -> NativeFmu:
-    """The controller of measured vehicles, with this project's networks.
+def native_controller(capacity: int, networks: Mapping[int, NetworkFile]) -> NativeFmu:
+    """The controller of measured vehicles.
 
     Parameters
     ----------
     capacity : most vehicles N, at least 2
+    networks : from `networks_up_to`; without any parameter_source starts at 2
     """
-    networks = networks_up_to(capacity)
     return NativeFmu(
         name="PspControllerNative",
         description=f"{CONTROLLER}; needs nothing but itself",
@@ -128,7 +128,7 @@ def native_controller(capacity: int) -> NativeFmu:
         vehicles=capacity,
         table=controller_table(capacity, 1 if networks else 2),
         networks=networks,
-        notes=(note_on_networks(capacity, networks), NEEDS),
+        notes=(*notes_on_networks(networks), NEEDS),
     )
 
 

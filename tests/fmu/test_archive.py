@@ -76,7 +76,17 @@ def test_a_size_without_a_network_says_so_and_starts_with_source_2(tmp_path, cap
         assert not [name for name in archive.namelist() if name.endswith(".onnx")]
 
 
-@pytest.mark.parametrize("arguments", [["--vehicles", "1"], ["--network", "missing.onnx"], ["--output", "/dev/null/x"]])
+BAD_ARGUMENTS = [
+    ["--vehicles", "1"],
+    ["--network", "missing.onnx"],
+    ["--component", "controller", "--network", "missing.onnx"],
+    ["--output", "/dev/null/x"],
+    ["--component", "plant", "--runtime", "native"],
+    ["--component", "plant", "--network", "onnx/platoon_7.onnx"],
+]
+
+
+@pytest.mark.parametrize("arguments", BAD_ARGUMENTS, ids=" ".join)
 def test_bad_arguments_are_one_sentence_and_exit_code_2(arguments, capsys):
     assert build(arguments) == 2
     error = capsys.readouterr().err

@@ -80,6 +80,16 @@ def test_the_default_install_pulls_nothing_heavy():
     assert not found & (banned | {"matplotlib", "nicegui", "mkdocs"})
 
 
+def test_build_makes_every_component(tmp_path):
+    for component in ("platoon", "controller", "plant", "leader"):
+        assert psp("build", "--vehicles", "2", "--component", component, "--output", str(tmp_path)).exit_code == 0
+    assert len(list(tmp_path.glob("*.fmu"))) == 4
+    profile = tmp_path / "profile.csv"
+    profile.write_text("0,20\n10,50\n")
+    refused = psp("build", "--component", "leader", "--profile", str(profile), "--output", str(tmp_path))
+    assert refused.exit_code == 2 and "50 m/s in row 2" in refused.stderr
+
+
 @pytest.mark.parametrize("command", ["build", "simulate", "compare", "certify", "figures", "report", "explore"])
 def test_every_option_says_what_it_is(command):
     result = psp(command, "--help")

@@ -25,9 +25,8 @@ def compiler() -> str | None:
 
 def build(folder: Path, component: str, vehicles: int = 7) -> Path:
     """The fuzzer of a component for n vehicles."""
-    loop = component == "platoon"
-    fmu = native_platoon(vehicles, networks_up_to(vehicles)) if loop else native_controller(vehicles)
-    sources = fmu.sources("{fuzz}")
+    make = native_platoon if component == "platoon" else native_controller
+    sources = make(vehicles, networks_up_to(vehicles)).sources("{fuzz}")
     for name, content in sources.items():
         (folder / name).write_bytes(content)
     fuzzer = folder / "fuzz_fmi"
