@@ -12,7 +12,7 @@ import numpy as np
 
 from psp_model.controller import BadMeasurement, Command, ControllerSettings, Measurement, SampledController
 from psp_model.errors import ModelError
-from psp_model.network import ParameterNetwork
+from psp_model.network import read_networks
 from psp_model.parameters import PotentialParameters
 from psp_model.platoon import TIME_TOLERANCE, locate
 
@@ -33,8 +33,7 @@ class PspController(TableSlave):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        folder = Path(self.resources)
-        self._networks = {int(n): ParameterNetwork(folder / name) for n, name in self._config["networks"].items()}
+        self._networks = read_networks(Path(self.resources), self._config["networks"])
         self._controller: SampledController | None = None
         self._ahead: Command | None = None  # the decision at the instant that the current point is, if one is known
         self._sampled = 0  # instants that lie in the past

@@ -181,13 +181,13 @@ class ParameterNetwork:
         return [PotentialParameters(*map(float, row)) for row in (raw[0], *dictionary[best])]
 
 
-def read_networks(folder: Path, names: Mapping[int, str]) -> dict[int, ParameterNetwork]:
+def read_networks(folder: Path, names: Mapping[Any, str]) -> dict[int, ParameterNetwork]:
     """Networks by number of vehicles, each file read once however many numbers it serves.
 
     Parameters
     ----------
     folder : where the files are
-    names : of the files, by number of vehicles
+    names : of the files, by number of vehicles, which JSON gives as text
     """
     networks = {name: ParameterNetwork(folder / name) for name in set(names.values())}
     return {int(n): networks[name] for n, name in names.items()}

@@ -72,7 +72,7 @@ RECIPES = {
     "mse": Recipe("mse", (32, 16), Schedule(35e-6, False, 2000, 32, 50, 1e-3)),
     # ours
     "cost": Recipe("cost", (32, 16), Schedule(3e-3, True, 100, 128, 100), blur=0.6),
-    "any": Recipe("any", (64,), Schedule(3e-3, True, 40, 128, 40), blur=0.6, per_gap=(64, 64)),
+    "any": Recipe("any", (64, 64), Schedule(3e-3, True, 40, 128, 40), blur=0.6, per_gap=(64, 64)),
 }
 
 

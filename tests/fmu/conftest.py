@@ -24,7 +24,7 @@ def fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
 
 @pytest.fixture(scope="session")
 def fmu_of_three(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
-    """PspPlatoon.fmu for 3 vehicles, for which there is no network."""
+    """PspPlatoon.fmu for 3 vehicles, with the network for any number."""
     return _unpacked(3, tmp_path_factory.mktemp("three"))
 
 

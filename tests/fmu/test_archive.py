@@ -5,6 +5,7 @@ from __future__ import annotations
 import zipfile
 from xml.etree import ElementTree
 
+import fmpy
 import pytest
 from fmpy.validation import validate_fmu
 
@@ -69,11 +70,13 @@ def test_the_archive_holds_what_a_user_looks_for(archive):
 
 
 def test_a_size_without_a_network_says_so_and_starts_with_source_2(tmp_path, capsys):
-    assert build(["--vehicles", "3", "--output", str(tmp_path)]) == 0
-    assert "no network for 3 vehicles" in capsys.readouterr().out
+    assert build(["--vehicles", "13", "--output", str(tmp_path)]) == 0
+    assert "no network for 13 vehicles" in capsys.readouterr().out
+    description = fmpy.read_model_description(str(tmp_path / "PspPlatoon.fmu"))
+    assert [v.start for v in description.modelVariables if v.name == "parameter_source"] == ["2"]
     with zipfile.ZipFile(tmp_path / "PspPlatoon.fmu") as archive:
-        assert b'name="parameter_source"' in archive.read("modelDescription.xml")
-        assert not [name for name in archive.namelist() if name.endswith(".onnx")]
+        assert "resources/platoon_any.onnx" in archive.namelist()  # for when vehicles have left
+        assert "for 2, 3, 4, 5, 6, 8" in archive.read("documentation/index.html").decode()
 
 
 BAD_ARGUMENTS = [

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from fmu_src.python_runtime import build_python_fmu
 from harness import ERROR, OK, Instance, Unpacked
 
 FIXED = {"parameter_source": 2}
@@ -80,13 +81,13 @@ def _scramble(path: Path) -> None:
 
 
 def _other_size(path: Path) -> None:
-    shutil.copy(Path(__file__).parents[2] / "onnx" / "platoon_4.onnx", path)
+    shutil.copy(Path(__file__).parents[2] / "onnx" / "platoon_4_alone.onnx", path)
 
 
 @pytest.mark.parametrize("damage", [Path.unlink, _cut, _scramble, _other_size], ids=lambda f: f.__name__)
 def test_a_bad_network_file_is_one_sentence_and_source_2_still_runs(fmu, tmp_path, damage):
     copy = Unpacked(fmu.path, tmp_path / "copy")
-    network = next((copy.folder / "resources").glob("*.onnx"))
+    network = copy.folder / "resources" / "platoon_7.onnx"
     damage(network)
     instance = Instance(copy)
     assert instance.initialise() == ERROR
@@ -130,8 +131,8 @@ def test_an_output_cannot_be_set(instance):
     assert "x[1]" in instance.messages[-1][1]
 
 
-def test_without_a_network_source_1_says_so(fmu_of_three):
-    instance = Instance(fmu_of_three)
+def test_without_a_network_source_1_says_so(tmp_path):
+    instance = Instance(Unpacked(build_python_fmu(3, tmp_path, {}), tmp_path / "unpacked"))
     assert instance.initialise({"parameter_source": 1}) == ERROR
     assert "no network for 3 vehicles" in instance.messages[-1][1]
     assert instance.call("fmi2Reset") == OK

@@ -32,7 +32,7 @@ def native_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
 
 @pytest.fixture(scope="session")
 def native_fmu_of_three(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
-    """PspPlatoonNative.fmu for 3 vehicles, without a network."""
+    """PspPlatoonNative.fmu for 3 vehicles, with the network for any number."""
     return built("native", 3, tmp_path_factory.mktemp("native3"))
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fmu.test_bad_input import BAD_VALUES
+from fmu_src.native.build import build_native_fmu, native_platoon
 from harness import ERROR, OK, WARNING, Instance, Unpacked, random_start, starts
 
 
@@ -96,8 +97,8 @@ def test_the_variables_are_the_same(python_fmu, native_fmu):
     assert rows(native_fmu) == rows(python_fmu)
 
 
-def test_without_a_network_source_1_is_refused(native_fmu_of_three):
-    instance = Instance(native_fmu_of_three)
+def test_without_a_network_source_1_is_refused(tmp_path):
+    instance = Instance(Unpacked(build_native_fmu(native_platoon(3, {}), tmp_path), tmp_path / "unpacked"))
     assert instance.initialise({"parameter_source": 1}) == ERROR
     assert "there is no network for 3 vehicles" in instance.messages[0][1]
     instance.close()

@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness import ERROR, OK, WARNING, Instance, random_start, starts
+from fmu_src.native.build import build_native_fmu, native_platoon
+from fmu_src.python_runtime import build_python_fmu, networks_up_to
+from harness import ERROR, OK, WARNING, Instance, Unpacked, random_start, starts
 from psp_model import BEST_FIXED, PlatoonParameters, PlatoonState, Sampling, project, simulate
 from psp_model.network import read_networks
 
@@ -154,18 +156,26 @@ def test_joining_as_the_leader_with_a_gap_too_small_says_which_place(road):
     assert "at place 1 with a gap of 5.2 m at 30 m/s" in road.messages[-1][1]
 
 
-def test_without_a_network_for_as_many_vehicles_the_fixed_triple_takes_over(road):
+@pytest.mark.parametrize("runtime", ["python", "native"])
+def test_without_a_network_for_as_many_vehicles_the_fixed_triple_takes_over(tmp_path, runtime):
+    networks = {7: networks_up_to(7)[7]}
+    if runtime == "python":
+        path = build_python_fmu(7, tmp_path, networks)
+    else:
+        path = build_native_fmu(native_platoon(7, networks), tmp_path)
+    road = Instance(Unpacked(path, tmp_path / "unpacked"))
     assert road.initialise(starts(*random_start(33))) == OK
     assert road.get("network_in_domain") == [1.0]
     assert road.set({"remove": 1.0, "remove_place": 7.0}) == OK and road.step(0.0, T) == WARNING
     assert "the initial state has 6 vehicles, for which there is no network here" in road.messages[-1][1]
     assert road.get("network_in_domain", "r") == [0.0, 11.0]
+    road.close()
 
 
 def test_with_a_network_for_as_many_vehicles_it_is_asked_anew(road):
     s, v = random_start(33)
     assert road.initialise(starts(s, v)) == OK
-    network = read_networks(ONNX, {4: "platoon_4.onnx"})[4]
+    network = read_networks(ONNX, {4: "platoon_any.onnx"})[4]
     for k in range(3):
         assert road.set({"remove": 1.0, "remove_place": 7.0 - k}) == OK
         assert road.step(2e-7 * k, 1e-7) <= WARNING

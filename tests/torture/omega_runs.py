@@ -46,7 +46,7 @@ def library(capacity: int, folder: Path) -> Any:
     if not built.exists():
         sources = folder / f"omega_{capacity}.sources"
         sources.mkdir(parents=True, exist_ok=True)
-        for name, content in native_platoon(capacity, None).sources("{torture}").items():
+        for name, content in native_platoon(capacity, {}).sources("{torture}").items():
             (sources / name).write_bytes(content)
         partial = built.with_suffix(".partial")
         command = [sys.executable, "-m", "ziglang", "cc", "-O3", "-std=c11", "-ffp-contract=off", "-fno-math-errno"]

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from math import nan
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from harness import ERROR, OK, WARNING, random_start
-from psp_model import BEST_FIXED, PlatoonParameters, feedback
+from psp_model import BEST_FIXED, PlatoonParameters, feedback, project
+from psp_model.network import ParameterNetwork
 
 T, N = 0.01, 7
 FIXED = {"parameter_source": 2}
@@ -69,8 +71,10 @@ def test_parameters_are_chosen_anew_when_vehicles_join_or_resolve_rises(controll
         assert controller.step(k * T, T) <= WARNING
         counts.append(controller.get("choices")[0])
     assert np.diff([1.0, *counts]).tolist() == [0, 1, 0, 0, 1, 1, 0]
-    assert controller.get("network_in_domain", "alpha", "r", "p") == [0.0, 1e-3, 11.0, 5.5]  # none for 6 vehicles
-    assert any("6 vehicles" in text for _, text in controller.messages)
+    network = ParameterNetwork(Path(__file__).parents[2] / "onnx" / "platoon_any.onnx")
+    expected = project(network.evaluate(s2[:5], v2[:6]), PlatoonParameters())
+    assert controller.get("network_in_domain") == [1.0]
+    np.testing.assert_allclose(controller.get("alpha", "r", "p"), [expected.alpha, expected.r, expected.p], rtol=1e-9)
 
 
 @pytest.mark.parametrize("n", [1, 2, 6])
