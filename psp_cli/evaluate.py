@@ -78,8 +78,9 @@ def _report(judged: list[Evaluation], network: Path, output: Path, card: bool) -
         table, content = as_markdown(judged[0].scores), as_dict(judged[0])
         picture(judged[0], image, command)
     else:
-        table, content = regret_markdown(judged), by_number_dict(judged)
-        regret_picture(judged, image, command)
+        content = by_number_dict(judged)
+        table = regret_markdown(content)
+        regret_picture(content, image, command)
     write_whole(output / f"{network.stem}.json", json.dumps(content | {"command": command}, indent=1) + "\n")
     Console(width=160).print(Markdown(table))
     typer.echo(image)

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from .by_number import regret_markdown
+from .by_number import by_number_dict, regret_markdown
 from .evaluate import Evaluation, as_markdown
 from .whole_file import write_whole
 
@@ -80,7 +80,7 @@ def write_card(path: Path, judged: Sequence[Evaluation], command: str) -> Path:
 def _by_number(judged: Sequence[Evaluation]) -> str:
     head = "Mean regret by number of vehicles, its 95 % quantile in brackets:"
     parts = [f"{each.data.problem.vehicles} vehicles:\n\n{as_markdown(each.scores)}" for each in judged]
-    return "\n\n".join([head, regret_markdown(judged), *parts])
+    return "\n\n".join([head, regret_markdown(by_number_dict(judged)), *parts])
 
 
 def _judged(evaluation: Evaluation) -> str:
