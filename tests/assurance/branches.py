@@ -22,8 +22,11 @@ PYTHON_TESTS = ["tests/model", "tests/offline", "tests/traffic"]
 C_TESTS = [
     f"tests/native/test_{name}.py" for name in ("front", "agreement", "derivatives", "joining", "c_functions", "edges")
 ]
-C_TESTS += ["tests/native/test_joining_at_random.py", "tests/traffic/test_controller_native.py"]
-C_TESTS += ["tests/traffic/test_controller_behaviour.py"]
+C_TESTS += [
+    "tests/native/test_joining_at_random.py",
+    "tests/traffic/test_controller_native.py",
+    "tests/traffic/test_controller_behaviour.py",
+]
 
 
 @dataclass(frozen=True)

@@ -160,6 +160,26 @@ def test_sampling_again_at_the_same_instant_replaces_its_verdict_and_later_adds_
     assert run.now.violations == 1
 
 
+def test_sampling_again_at_the_same_instant_where_T_is_T_max() -> None:
+    s, v = paper_start(8, 5)
+    bound = float(largest_period(s, v, feedback(s, v, V_OLD, CONSTANTS), CONSTANTS))
+    run = SampledPlatoon(PlatoonState(s, v), V_OLD, sampling=Sampling(bound, Lemma1Policy.SHORTEN))
+    assert run.now.violations == 1
+    run.take_over(0, 0.0, 0.0, s, v, V_OLD)
+    assert run.now.violations == 1
+
+
+def test_a_change_that_is_not_certified_leaves_the_platoon_as_it_was() -> None:
+    run = CASES["policy 1"]()
+    run.advance_to(3, 0.0)
+    before, close = run.now, run.now.s.copy()
+    close[0] = CONSTANTS.L + 1e-3
+    with pytest.raises(ModelError) as caught:
+        run.take_over(3, 0.5, before.x, close, before.v, BEST_FIXED)
+    assert caught.value.key == "lemma1_gap"
+    assert run.now is before and run.shape is V_OLD
+
+
 def test_policy_3_spans_are_dyadic_and_end_at_nominal_instants() -> None:
     run = CASES["policy 3, shortened"]()
     nominal, shortened = set(), 0
