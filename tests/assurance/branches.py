@@ -19,14 +19,9 @@ from shutil import rmtree, which
 ROOT = Path(__file__).parents[2]
 TABLE = ROOT / "benchmarks" / "results" / "branches.md"
 PYTHON_TESTS = ["tests/model", "tests/offline", "tests/traffic"]
-C_TESTS = [
-    f"tests/native/test_{name}.py" for name in ("front", "agreement", "derivatives", "joining", "c_functions", "edges")
-]
-C_TESTS += [
-    "tests/native/test_joining_at_random.py",
-    "tests/traffic/test_controller_native.py",
-    "tests/traffic/test_controller_behaviour.py",
-]
+C_TESTS = [f"tests/native/test_{name}.py" for name in ("front", "agreement", "derivatives", "edges", "c_functions")]
+C_TESTS += [f"tests/native/test_{name}.py" for name in ("joining", "joining_at_random")]
+C_TESTS += [f"tests/traffic/test_controller_{name}.py" for name in ("native", "behaviour")]
 
 
 @dataclass(frozen=True)

@@ -176,7 +176,7 @@ def test_a_change_that_is_not_certified_leaves_the_platoon_as_it_was() -> None:
     close[0] = CONSTANTS.L + 1e-3
     with pytest.raises(ModelError) as caught:
         run.take_over(3, 0.5, before.x, close, before.v, BEST_FIXED)
-    assert caught.value.key == "lemma1_gap"
+    assert caught.value.key.startswith("lemma1_")
     assert run.now is before and run.shape is V_OLD
 
 
