@@ -53,6 +53,14 @@ def test_without_fmi():
     assert runs["V_new"].J < runs["V_old"].J
 
 
+def test_a_vehicle_merges(workplace, monkeypatch):
+    monkeypatch.chdir(workplace)
+    result = example("05_a_vehicle_merges").main()
+    n = result["n_active"]
+    assert n[np.flatnonzero(np.diff(n, prepend=0.0))].tolist() == [3.0, 4.0, 3.0]
+    assert result["gap_offered"].max() > 5.35 and result["s[3]"][-1] > 5.0
+
+
 @pytest.mark.parametrize("snippet", re.findall(r"```python\n(.*?)```", README, re.DOTALL), ids=["fmi", "model"])
 def test_a_python_snippet_of_the_readme(snippet, workplace):
     subprocess.run([sys.executable, "-c", snippet], cwd=workplace, check=True, capture_output=True)
