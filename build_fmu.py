@@ -11,6 +11,7 @@ from pathlib import Path
 from fmu_src.python_runtime import NetworkFile, build_python_fmu, networks_up_to
 from psp_model import ModelError
 
+MOST_VEHICLES = 10_000
 COMPONENTS = ["platoon", "controller", "plant", "leader"]
 CONTROLLED = ("platoon", "controller")  # components with networks, and with a native runtime
 
@@ -114,6 +115,8 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if options.vehicles < 2:
             raise ModelError("vehicles", options.vehicles)
+        if options.vehicles > MOST_VEHICLES:
+            raise RuntimeError(f"{options.vehicles} vehicles are too many for one FMU: choose at most {MOST_VEHICLES}")
         networks = networks_for(options)
         path = build(options, networks)
     except (ModelError, OSError, RuntimeError) as error:

@@ -13,14 +13,19 @@ from pathlib import Path
 from platform import libc_ver, machine, system
 from shutil import which
 from xml.etree import ElementTree
-from zipfile import BadZipFile, ZipFile
+from zipfile import ZipFile
 
 _OLDEST_PYTHON = (3, 11)
 _OLDEST_GLIBC = (2, 17)  # what the linux64 libraries are linked for
+_MOST_PACKAGES = 50  # that are asked for
+_LARGEST = 1 << 26  # [bytes] of a file inside an FMU that is read
 _QUESTION = (
-    "import importlib.util as u,json,os,sys,sysconfig as s\n"
+    "import sys\n"
+    "sys.path[:]=filter(None,sys.path)\n"  # nothing from the folder in which doctor is run
+    "import importlib.metadata as m,json,os,sysconfig as s\n"
     "def found(name):\n"
-    "    try:\n        return getattr(__import__(name), '__version__', '')\n"
+    "    try:\n        version=m.version(name)\n"  # nothing that an archive may name is imported but these two
+    "        return __import__(name).__version__ if name in ('numpy','onnxruntime') else version\n"
     "    except Exception as e:\n        return None\n"
     "g=s.get_config_var\n"
     "c=[os.path.join(a,b) for a in (g('LIBDIR') or '',os.path.join(g('LIBDIR') or '',g('MULTIARCH') or ''),"
@@ -64,12 +69,8 @@ def examine(fmu: Path) -> Iterator[Finding]:
     Finding
     """
     try:
-        with ZipFile(fmu) as archive:
-            names = set(archive.namelist())
-            root = ElementTree.fromstring(archive.read("modelDescription.xml"))
-            needed = "resources/requirements.txt"
-            requirements = archive.read(needed).decode() if needed in names else ""
-    except (OSError, BadZipFile, KeyError, ElementTree.ParseError) as error:
+        names, root, requirements = _read(fmu)
+    except Exception as error:  # zipfile, its decompressors and the XML reader raise whatever they like
         yield Finding(False, f"{fmu} is not a readable FMU ({error})", "build it again: python build_fmu.py")
         return
     name = root.get("modelName", "")
@@ -77,8 +78,21 @@ def examine(fmu: Path) -> Iterator[Finding]:
     yield from _libraries(names, name)
     yield from _glibc()
     if "resources/slavemodule.txt" in names:
-        yield from _python(re.findall(r"^[A-Za-z0-9_-]+", requirements, re.MULTILINE))
+        named = re.findall(r"^[A-Za-z0-9_-]{1,80}", requirements, re.MULTILINE)
+        yield from _python(named[:_MOST_PACKAGES])
     yield from _temporary_folder()
+
+
+def _read(fmu: Path) -> tuple[set[str], ElementTree.Element, str]:
+    """Names of the files in an FMU, its model description and its requirements."""
+    needed = "resources/requirements.txt"
+    with ZipFile(fmu) as archive:
+        names = set(archive.namelist())
+        for name in {"modelDescription.xml", needed} & names:
+            if archive.getinfo(name).file_size > _LARGEST:
+                raise ValueError(f"{name} has more than {_LARGEST >> 20} MB")
+        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+        return names, root, archive.read(needed).decode() if needed in names else ""
 
 
 def _libraries(names: set[str], model: str) -> Iterator[Finding]:

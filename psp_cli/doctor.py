@@ -19,5 +19,6 @@ def doctor(fmu: Annotated[Path, typer.Argument(help="The FMU to look at.")]) -> 
     for finding in examine(fmu):
         good = good and finding.good
         remedy = f": {finding.remedy}" if finding.remedy else ""
-        typer.echo(f"{'ok  ' if finding.good else 'MEND'}  {finding.text}{remedy}")
+        text = " ".join(f"{finding.text}{remedy}".split())  # an archive may have put line breaks into it
+        typer.echo(f"{'ok  ' if finding.good else 'MEND'}  {text[:2000]}")
     raise typer.Exit(0 if good else 1)

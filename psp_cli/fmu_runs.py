@@ -36,19 +36,33 @@ def inspect(fmu: Path) -> Any:
     ------
     BadInput : where it is missing, unreadable or not ours
     """
+    description = description_of(fmu)
+    if not any(variable.name == "s_start[2]" for variable in description.modelVariables):
+        raise BadInput(f"{fmu} is the FMU {description.modelName!r}, not a platoon: give one that `psp build` made")
+    return description
+
+
+def description_of(fmu: Path) -> Any:
+    """The model description of any FMU.
+
+    Parameters
+    ----------
+    fmu : the file
+
+    Raises
+    ------
+    BadInput : where it is missing or unreadable
+    """
     from fmpy import read_model_description
 
     if not fmu.exists():
         raise BadInput(f"{fmu} does not exist: build it with `psp build`, or give the path of an FMU")
     try:
-        description = read_model_description(str(fmu))
+        return read_model_description(str(fmu))
     except Exception as error:  # fmpy raises whatever its zip and XML readers do
         raise BadInput(
             f"{fmu} cannot be read as an FMU ({error}): give the path of one that `psp build` made"
         ) from None
-    if not any(variable.name == "s_start[2]" for variable in description.modelVariables):
-        raise BadInput(f"{fmu} is the FMU {description.modelName!r}, not a platoon: give one that `psp build` made")
-    return description
 
 
 def vehicles_of(description: Any) -> int:

@@ -32,6 +32,9 @@ EXTRAS = {"matplotlib": "report", "nicegui": "explore", "jax": "offline", "optax
 """Which extra brings a package that the default install does without."""
 
 
+_LONGEST = 1000  # characters of a sentence
+
+
 class Commands(TyperGroup):
     """All commands; bad input ends in one sentence on stderr and exit code 2, never in a traceback."""
 
@@ -51,14 +54,20 @@ class Commands(TyperGroup):
 
             if not isinstance(error, BadInput | ModelError | OfflineError):
                 raise
-            typer.echo(f"psp: {error}", err=True)
+            typer.echo(f"psp: {_one_line(str(error))}", err=True)
             raise typer.Exit(2) from None
         except OSError as error:
-            typer.echo(f"psp: {_of_a_file(error)}", err=True)
+            typer.echo(f"psp: {_one_line(_of_a_file(error))}", err=True)
             raise typer.Exit(2) from None
         except MemoryError:
             typer.echo("psp: there is no memory left for this: ask for less, or give it files of usual size", err=True)
             raise typer.Exit(2) from None
+
+
+def _one_line(sentence: str) -> str:
+    """The sentence on a line of its own, without the middle of what a file may have put into it."""
+    line = " ".join(sentence.split())
+    return line if len(line) <= _LONGEST else f"{line[: _LONGEST // 2]} ... {line[-_LONGEST // 2 :]}"
 
 
 def _of_a_file(error: OSError) -> str:

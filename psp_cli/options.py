@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
     from .scenario import Scenario
 
+MOST_INSTANTS = 10_000_000  # of a run: 28 hours at T = 0.01 s
+
 Vehicles = Annotated[
     int | None, typer.Option("--vehicles", "-n", help="Number of vehicles. [default: 7]", show_default=False)
 ]
@@ -47,14 +49,15 @@ def gather(
     ------
     BadInput : where something is wrong
     """
-    from .quantities import quantity
+    from .quantities import MOST_VEHICLES, quantity
     from .scenario import Scenario, drawn, read_scenario
     from .settings import checked, split
 
     found = read_scenario(scenario) if scenario else Scenario()
     if vehicles is not None:
-        if vehicles < 2:
-            raise BadInput(f"{vehicles} vehicles are too few: a platoon has at least 2")
+        if not 2 <= vehicles <= MOST_VEHICLES:
+            few = "few: a platoon has at least 2" if vehicles < 2 else f"many: choose at most {MOST_VEHICLES}"
+            raise BadInput(f"{vehicles} vehicles are too {few}")
         if scenario and vehicles != found.vehicles:
             raise BadInput(
                 f"--vehicles {vehicles} contradicts {scenario}, which has {found.vehicles}: change one of them"
@@ -68,7 +71,29 @@ def gather(
         if not 0 < time < float("inf"):
             raise BadInput(f"duration = {time:g} s must be positive: give it a time above 0 s")
         found = replace(found, duration=time)
+    require_countable(found)
     return found
+
+
+def require_countable(scenario: Scenario) -> None:
+    """Refuse runs that would not end, or whose outputs no memory would hold.
+
+    Parameters
+    ----------
+    scenario : what to run
+
+    Raises
+    ------
+    BadInput : where it has more than MOST_INSTANTS sampling instants or communication points
+    """
+    for values in [scenario.values | extra for extra in (scenario.runs or {"": {}}).values()]:
+        shortest = min(step for step in (scenario.step, values.get("T"), 0.01) if step is not None)
+        longest = max(scenario.duration, values.get("rollout_horizon", 0.0))
+        if 0 < shortest * MOST_INSTANTS < longest < float("inf"):
+            raise BadInput(
+                f"{longest:g} s are more than {MOST_INSTANTS:,} instants {shortest:g} s apart: choose a shorter "
+                "duration or rollout_horizon, or a longer T and step"
+            )
 
 
 def network_file(vehicles: int, path: Path | None) -> ParameterNetwork | None:

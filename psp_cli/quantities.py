@@ -6,6 +6,8 @@ import re
 
 from .bad_input import BadInput
 
+MOST_VEHICLES = 10_000  # that a command takes: memory and time grow with them
+
 _FACTORS: dict[str, dict[str, float]] = {
     "s": {"s": 1.0, "ms": 1e-3, "min": 60.0},
     "m": {"m": 1.0, "km": 1e3, "cm": 1e-2},
@@ -35,7 +37,10 @@ def quantity(given: str | float, unit: str, name: str) -> float:
     BadInput : where the text is no number or its unit does not measure the same
     """
     if not isinstance(given, str):
-        return float(given)
+        try:
+            return float(given)
+        except OverflowError:
+            raise BadInput(f"{name} is too large a number: give it as a number like {_like(unit)}") from None
     match = _NUMBER.fullmatch(given)
     if match is None:
         raise BadInput(

@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from psp_model import ModelError, StartDomain
 
 from .bad_input import BadInput
-from .quantities import quantity
+from .quantities import MOST_VEHICLES, quantity
 from .settings import checked
 
 Number = Annotated[float, Field(strict=True)] | Annotated[str, Field(strict=True)]
@@ -45,7 +45,7 @@ class ScenarioTable(_Strict):
     """The whole file."""
 
     fmu: str | None = None
-    vehicles: Annotated[int, Field(ge=2)] = 7
+    vehicles: Annotated[int, Field(ge=2, le=MOST_VEHICLES)] = 7
     duration: Number = 20.0
     step: Number | None = None
     start: StartTable = StartTable()
@@ -96,10 +96,16 @@ def read_scenario(path: Path) -> Scenario:
         place = re.search(r"line (\d+)", str(error))
         line = place[1] if place else str(text.count("\n") + 1)
         raise BadInput(f"{path}:{line}: not TOML ({error}): write it as key = value") from None
-    except ValidationError as error:
+    except RecursionError:
+        raise BadInput(f"{path}: tables or lists are nested too deeply: a scenario needs no more than three") from None
+    except OverflowError:
+        raise BadInput(f"{path}: a number is too large: give it in SI units or with its unit") from None
+    except ValidationError as error:  # a ValueError too
         first = error.errors()[0]
         location = tuple(part for part in first["loc"] if part not in ("float", "str"))
         raise BadInput(f"{path}:{line_of(text, location)}: {_dotted(location)}: {_reason(first)}") from None
+    except ValueError as error:  # an integer of thousands of digits
+        raise BadInput(f"{path}: not TOML ({error}): write it as key = value") from None
     return _in_si_units(table, text, path)
 
 

@@ -114,6 +114,6 @@ def setup(values: Mapping[str, float], vehicles: int, has_network: bool = True) 
 def _require_choice(name: str, value: float, low: float | None, high: float | None) -> None:
     """Refuse a selector or count that is no whole number inside its bounds."""
     inside = (low is None or value >= low) and (high is None or value <= high)
-    if not (inside and value == int(value)):
+    if not (inside and float(value).is_integer()):
         upto = "upwards" if high is None else f"to {high:g}"
         raise BadInput(f"{name} = {value:g} is not one of its choices: give it a whole number from {low:g} {upto}")

@@ -59,10 +59,14 @@ def sumo(
     from importlib.util import find_spec
     from tempfile import TemporaryDirectory
 
+    from .fmu_runs import description_of
+
     if find_spec("libsumo") is None or find_spec("sumo") is None:
         raise BadInput("psp sumo needs SUMO: pip install 'psp-platoon[sumo]'")
     if fmu is not None and not fmu.exists():
         raise BadInput(f"{fmu} does not exist: build it with build_fmu.py --component controller, or leave --fmu out")
+    if fmu is not None and not any(variable.name == "n_active" for variable in description_of(fmu).modelVariables):
+        raise BadInput(f"{fmu} is not a controller: build one with build_fmu.py --component controller")
     names = _situations(situation, sweep)
     if plot is not None and len(names) > 1:
         raise BadInput("--plot draws one situation: name one of " + ", ".join(names))

@@ -19,6 +19,14 @@ GAPS, SPEEDS = "gaps", "speeds"
 ANY_NUMBER = "platoon_any.onnx"  # the network that serves where there is none for just that number of vehicles
 
 
+def _numbers(text: str) -> dict[str, float]:
+    """Finite numbers by name, from JSON."""
+    found = {name: float(value) for name, value in json.loads(text).items()}
+    if not np.isfinite(list(found.values())).all():
+        raise ValueError(text)
+    return found
+
+
 class ParameterNetwork:
     """A network in an ONNX file (paper, section IV; file format: ours, see the design).
 
@@ -82,10 +90,10 @@ class ParameterNetwork:
         try:
             return {
                 "vehicles": range(int(entries[names[0]]), int(entries[names[1]]) + 1),
-                "domain": StartDomain(**json.loads(entries["psp_domain"])),
-                "constants": PlatoonParameters(**json.loads(entries["psp_constants"])),
+                "domain": StartDomain(**_numbers(entries["psp_domain"])),
+                "constants": PlatoonParameters(**_numbers(entries["psp_constants"])),
             }
-        except (KeyError, TypeError, ValueError):
+        except (AttributeError, KeyError, TypeError, ValueError, ArithmeticError, RecursionError):
             raise ModelError("network_metadata", self.path.name) from None
 
     @property
@@ -138,9 +146,13 @@ class ParameterNetwork:
         gaps, speeds = (np.asarray(part, dtype=np.float32)[None, :] for part in (s, v))
         inputs = {INPUT: np.concatenate([gaps, speeds], axis=1)} if self._columns else {GAPS: gaps, SPEEDS: speeds}
         try:
-            return list(self._session.run(outputs, inputs))
+            found = list(self._session.run(outputs, inputs))
         except Exception:  # onnxruntime's own: a graph that contradicts its shapes
             raise ModelError("network_damaged", self.path.name) from None
+        sizes = [(1, 3), (1, len(found[2])), (len(found[2]), 3)] if len(found) == 3 else [(1, 3)]
+        if [np.shape(part) for part in found] != sizes:
+            raise ModelError("network_damaged", self.path.name)
+        return found
 
     def evaluate(self, s: Any, v: Any) -> PotentialParameters:
         """What the network returns for a start, before projection (paper, section IV).

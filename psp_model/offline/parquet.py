@@ -148,22 +148,31 @@ def read_dataset(path: Path) -> Dataset:
         raise OfflineError(f"there is no data set {path}: make one with psp dataset") from None
     except (OSError, pa.ArrowException):
         raise OfflineError(f"{path} is not a Parquet file that can be read: make it again with psp dataset") from None
-    about = {key.decode(): value.decode() for key, value in (table.schema.metadata or {}).items()}
+    about = {key.decode(errors="replace"): value for key, value in (table.schema.metadata or {}).items()}
+    about = {key: value.decode(errors="replace") for key, value in about.items()}
     if about.get("format") != FORMAT:
         raise OfflineError(f"{path} has not the schema {FORMAT!r}: give a file made by psp dataset")
     names = [name for name in table.column_names if name != "error"]
-    expected = _expected_columns(about["plan"])
+    expected = _expected_columns(about.get("plan", ""), len(names))
     if names not in (expected, [*expected, "table"]) or "error" not in table.column_names:
         raise OfflineError(f"{path} has the columns {', '.join(names)} and not those of its plan: make it again")
     columns = {name: _numbers(table.column(name)) for name in names}
     errors = [text or "" for text in table.column("error").to_pylist()]
-    if _content_hash(columns, errors) != about["sha256"]:
+    if _content_hash(columns, errors) != about.get("sha256"):
         raise OfflineError(f"{path} was changed after it was made (its hash does not fit): make it again")
-    return _dataset(json.loads(about["plan"]), columns, errors, about["sha256"])
+    try:
+        return _dataset(json.loads(about["plan"]), columns, errors, about["sha256"])
+    except (ArithmeticError, AttributeError, KeyError, TypeError, ValueError):  # the hash does not cover the plan
+        raise OfflineError(f"{path} has a plan that cannot be read: make it again") from None
 
 
-def _expected_columns(plan: str) -> list[str]:
-    return [*start_columns(json.loads(plan)["problem"]["vehicles"]), "alpha", "r", "p", "J", "T_max"]
+def _expected_columns(plan: str, most: int) -> list[str]:
+    """The columns of a plan, none where it cannot be read or would have more than so many."""
+    try:
+        vehicles = int(json.loads(plan)["problem"]["vehicles"])
+    except (ArithmeticError, KeyError, TypeError, ValueError, RecursionError):
+        return []
+    return [*start_columns(vehicles), "alpha", "r", "p", "J", "T_max"] if vehicles < most else []
 
 
 def _numbers(column: Any) -> Array:

@@ -19,7 +19,7 @@ from .whole_file import read_arrays, write_whole
 
 Array = NDArray[Any]
 
-_COLUMN = re.compile(r"^(s|v)(?:0|_start)?[_\[]?(\d+)\]?$")
+_COLUMN = re.compile(r"^(s|v)(?:0|_start)?[_\[]?(\d{1,9})\]?$")
 _EXPECTED = "CSV needs the columns s_2..s_n and v_1..v_n"
 
 
@@ -88,6 +88,8 @@ def _from_csv(path: Path) -> tuple[Array, Array]:
             raise OfflineError(f"{path} has the {problem} column {name.strip()!r}: {_EXPECTED} and no others")
         places[match[1], int(match[2])] = place
     n = max((number for _, number in places), default=0)
+    if n > len(places):
+        raise OfflineError(f"{path} names vehicle {n} and has {len(places)} columns: {_EXPECTED}")
     wanted = [("s", i) for i in range(2, n + 1)] + [("v", i) for i in range(1, n + 1)]
     if n < 2 or set(wanted) != set(places):
         missing = ", ".join(f"{kind}_{i}" for kind, i in wanted if (kind, i) not in places)

@@ -63,3 +63,24 @@ def test_what_is_no_fmu_is_said_to_be_none(tmp_path):
     (tmp_path / "x.fmu").write_text("no")
     (finding,) = _bad(tmp_path / "x.fmu")
     assert "not a readable FMU" in finding.text
+
+
+def test_doctor_imports_nothing_that_an_archive_names(tmp_path, monkeypatch, python_fmu):
+    """Neither a package that requirements.txt lists, nor a module that lies in the folder doctor is run in."""
+    fmu, trace = tmp_path / "hostile.fmu", tmp_path / "trace"
+    with zipfile.ZipFile(python_fmu.path) as source, zipfile.ZipFile(fmu, "w") as target:
+        for name in source.namelist():
+            content = b"numpy\nevil\n" if name.endswith("requirements.txt") else source.read(name)
+            target.writestr(name, content)
+    for module in ("evil", "json", "numpy"):
+        (tmp_path / f"{module}.py").write_text(f"open({str(trace)!r}, 'w')")
+    monkeypatch.chdir(tmp_path)
+    assert any("numpy" in finding.text for finding in doctor.examine(fmu))
+    assert not trace.exists()
+
+
+@pytest.mark.parametrize("content", [b"", b"PK", b"<x/>", bytes(100)], ids=["empty", "zip", "xml", "zeros"])
+def test_doctor_names_what_is_no_fmu(tmp_path, content):
+    (tmp_path / "no.fmu").write_bytes(content)
+    (finding,) = doctor.examine(tmp_path / "no.fmu")
+    assert not finding.good and "is not a readable FMU" in finding.text

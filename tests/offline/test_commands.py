@@ -122,3 +122,13 @@ def test_dataset_train_evaluate_from_end_to_end(
     assert "best of 4 by rollout" in card and "best fixed triple" in card
     assert Path("out/evaluation/net.png").stat().st_size > 1000
     assert "trained on this very data set" in sentence(["evaluate", "--data", "1.parquet", "--network", "net.onnx"])
+
+
+@pytest.mark.parametrize(
+    ("header", "words"),
+    [("s_2,v_1,v_999999999\n9,30,30\n", "names vehicle 999999999"), ("s_" + "1" * 5000 + "\n", "unknown column")],
+)
+def test_csv_headers_that_would_fill_the_memory_are_refused(tmp_path: Path, header: str, words: str) -> None:
+    path = tmp_path / "starts.csv"
+    path.write_text(header)
+    assert words in sentence(["optimize", "--starts", str(path), "-o", str(tmp_path / "out.csv")])

@@ -176,3 +176,13 @@ def test_resuming_another_plan_is_refused(tiny_plan: Plan, tmp_path: Path) -> No
         make(tiny_plan, path, watch=stop)
     with pytest.raises(OfflineError, match="begun with other options"):
         make(replace(tiny_plan, seed=6), path, resume=True)
+
+
+@pytest.mark.parametrize("plan", [b"", b"\xff", b"[1]", b'{"problem": {"vehicles": 1000000000}}', b"[" * 100_000])
+def test_a_hostile_plan_is_refused(tiny_plan: Plan, tmp_path: Path, plan: bytes) -> None:
+    path = tmp_path / "a.parquet"
+    make(tiny_plan, path)
+    table = pq.read_table(path)
+    pq.write_table(table.replace_schema_metadata(table.schema.metadata | {b"plan": plan}), path)
+    with pytest.raises(OfflineError, match="not those of its plan"):
+        read_dataset(path)

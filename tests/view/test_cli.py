@@ -258,3 +258,32 @@ def test_what_cannot_be_written_is_one_sentence_and_leaves_nothing(fmu, tmp_path
     (sentence,) = result.stderr.splitlines()
     assert "file" in sentence and "choose another place" in sentence
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["certify", "--set", "max_short_periods=inf"], "max_short_periods = inf is not one of its choices"),
+        (["compare", "--duration", "1e300"], "1e+300 s are more than 10,000,000 instants"),
+        (["certify", "--set", "T=1e-300"], "instants 1e-300 s apart"),
+        (["certify", "--set", "rollout_horizon=1e9"], "1e+09 s are more than"),
+        (["certify", "--vehicles", "1000000000"], "too many: choose at most 10000"),
+        (["sumo", "highway", "--fmu", "pyproject.toml"], "cannot be read as an FMU"),
+    ],
+)
+def test_what_would_never_end_or_fit_is_one_sentence(arguments, words):
+    result = psp(*arguments)
+    assert result.exit_code == 2
+    (sentence,) = result.stderr.splitlines()
+    assert words in sentence
+
+
+@pytest.mark.parametrize(
+    "text", ["vehicles = " + "1" * 5000, "a = " + "[" * 3000, "duration = 1" + "0" * 400, '"' + "x" * 9000 + '" = 1']
+)
+def test_hostile_scenarios_are_one_short_sentence(tmp_path, text):
+    (tmp_path / "scenario.toml").write_text(text)
+    result = psp("compare", "--scenario", str(tmp_path / "scenario.toml"))
+    assert result.exit_code == 2, result.output
+    (sentence,) = result.stderr.splitlines()
+    assert "scenario.toml" in sentence and len(sentence) < 1100
