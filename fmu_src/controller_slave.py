@@ -55,12 +55,15 @@ class PspController(TableSlave):
     # initialisation
 
     @logged
+    def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
+        super().setup_experiment(start_time, stop_time, tolerance)
+        self._set_at = start_time  # what was set before belongs to the start
+
+    @logged
     def exit_initialization_mode(self) -> None:
         if self._controller is None:
             self._controller = self._initialise()
-        self._initialising = False
-        self._set_at = self._start_time
-        self._stale = True
+        self._initialising, self._stale = False, True
 
     def _initialise(self) -> SampledController:
         read, sampling = self._value, self._sampling()

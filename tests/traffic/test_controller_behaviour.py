@@ -163,6 +163,16 @@ def test_inputs_that_nobody_renews_grow_stale_inside_a_long_step(controller):
     assert controller.get("input_faults") == [6.0]  # instants 0 to 3 T are fresh enough
 
 
+def test_inputs_set_before_the_start_time_is_known_belong_to_the_start(controller):
+    s, v = random_start(8)
+    assert controller.set(FIXED | {"max_age": 1.0} | named(s, v)) == OK
+    assert controller.call("fmi2SetupExperiment", 0, 0.0, 100.0, 0, 0.0) == OK
+    assert controller.call("fmi2EnterInitializationMode") == OK
+    np.testing.assert_allclose(controller.group("a"), law(s, v), atol=1e-12)
+    assert controller.call("fmi2ExitInitializationMode") == OK
+    assert controller.step(100.0, T) == OK
+
+
 @pytest.mark.parametrize("change", [{"a_min": 1.0}, {"a_max": 0.0}, {"a_safe": 1.0}, {"max_age": 0.0}, {"phase": T}])
 def test_a_bad_parameter_is_an_error_of_one_sentence(controller, change):
     assert controller.initialise(change) == ERROR
