@@ -45,9 +45,10 @@ def change(mutant: str) -> tuple[str, str, str]:
 def as_markdown(rows: dict[str, Counter[str]]) -> str:
     """The table."""
     lines = ["# Mutations", "", "`make mutation`, changes of one place at a time:", ""]
-    lines += ["| module | changes | noticed | change nothing | not explained |", "|---|---|---|---|---|"]
+    lines += ["| module | changes | noticed | change nothing | not explained | not run |", "|---|---|---|---|---|---|"]
     for module, row in [*sorted(rows.items()), ("together", sum(rows.values(), Counter()))]:
-        lines.append(f"| {module} | {row.total()} | {row['killed']} | {row['explained']} | {row['not explained']} |")
+        counts = [row.total(), *(row[name] for name in ("killed", "explained", "not explained", "not run"))]
+        lines.append(f"| {module} | {' | '.join(map(str, counts))} |")
     return "\n".join([*lines, ""])
 
 
@@ -62,8 +63,8 @@ def main() -> int:
     unexplained, unused = [], set(explained)
     for mutant, status in statuses().items():
         row = rows.setdefault(mutant.split(".")[1], Counter())
-        if status in KILLED:
-            row["killed"] += 1
+        if status in KILLED or status is None:
+            row["not run" if status is None else "killed"] += 1
             continue
         key = change(mutant)
         row["explained" if key in explained else "not explained"] += 1
@@ -76,7 +77,7 @@ def main() -> int:
         print(f"{mutant} (exit status {status}):\n    - {before}\n    + {after}")
     for function, before, after in sorted(unused):
         print(f"explained, but noticed or gone: {function}: {before} -> {after}")
-    return 1 if unexplained or unused else 0
+    return 1 if unexplained or unused or any(row["not run"] for row in rows.values()) else 0
 
 
 if __name__ == "__main__":

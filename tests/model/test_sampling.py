@@ -169,6 +169,16 @@ def test_sampling_again_at_the_same_instant_where_T_is_T_max() -> None:
     assert run.now.violations == 1
 
 
+def test_the_cost_goes_on_through_a_change() -> None:
+    changed, plain = CASES["policy 1"](), CASES["policy 1"]()
+    for run in (changed, plain):
+        run.advance_to(3, 0.0)
+    halfway = plain.observe(3, 0.5)
+    changed.take_over(3, 0.5, float(halfway.x[0]), halfway.s, halfway.v, BEST_FIXED)
+    assert np.array_equal(changed.now.cost, halfway.cost) and changed.now.cost.min() > 0
+    assert np.array_equal(changed.now.a, feedback(halfway.s, halfway.v, BEST_FIXED, CONSTANTS))
+
+
 def test_a_change_that_is_not_certified_leaves_the_platoon_as_it_was() -> None:
     run = CASES["policy 1"]()
     run.advance_to(3, 0.0)
