@@ -36,6 +36,8 @@ _OWN_SOURCES = {  # of each component, by the name of the header that says what 
         "platoon_lemma1.c",
         "platoon_membership.c",
         "platoon_start.c",
+        "platoon_trial.c",
+        "platoon_trial.h",
     ),
     "controller_model.h": ("controller.h", "controller_backend.c", "controller_sample.c", "controller_settings.c"),
 }
