@@ -69,7 +69,8 @@ def model_header(
 
 
 def _floats(values: Any) -> str:
-    return ", ".join(f"{float(value).hex()}f" for value in np.asarray(values, dtype=np.float32).ravel())
+    """The shortest decimals that are read back as the same floats."""
+    return ", ".join(f"{value!s}f" for value in np.asarray(values, dtype=np.float32).ravel())
 
 
 def _layers(name: str, layers: Sequence[Layer]) -> Iterator[str]:

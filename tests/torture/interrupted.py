@@ -180,7 +180,11 @@ class Stage:
         if os.WIFEXITED(status) and os.WEXITSTATUS(status) not in (0, 2):
             outcome.violate(f"{self.command.name}, {how}: ended with {os.WEXITSTATUS(status)}: {said[-300:]}")
         if os.WIFEXITED(status) and os.WEXITSTATUS(status) == 2:
-            left = [name for name in _files(self.folder) if any(mark in name for mark in _LEFT_OVER) and ".parts/" not in name]
+            left = [
+                name
+                for name in _files(self.folder)
+                if any(mark in name for mark in _LEFT_OVER) and ".parts/" not in name
+            ]
             if left:
                 outcome.violate(f"{self.command.name}, {how}: left {left} behind")
         return status
