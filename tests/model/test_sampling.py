@@ -125,6 +125,19 @@ def test_between_instants_the_state_is_the_exact_polynomial() -> None:
         assert np.array_equal(seen.a, now.a)
 
 
+def test_between_short_periods_too_time_counts_from_the_last_instant() -> None:
+    run = CASES["policy 3, shortened"]()
+    run.advance_to(0, 0.3)
+    now = run.now
+    assert 0.0 < now.fraction <= 0.3 and now.span < 1.0
+    for part in (0.0, 0.25, 1.0):
+        tau = part * now.span * T
+        seen = run.observe(0, now.fraction + part * now.span)
+        np.testing.assert_allclose(seen.v, now.v + tau * now.a, rtol=0, atol=1e-12)
+        moved = tau * now.v + tau**2 / 2 * now.a
+        np.testing.assert_allclose(seen.s, now.s + moved[:-1] - moved[1:], rtol=0, atol=1e-12)
+
+
 def test_running_cost_between_instants_is_the_integral() -> None:
     """Simpson's rule is exact for the quadratic gaps and the constant accelerations."""
     run, weights = CASES["policy 1"](), ObjectiveWeights()
