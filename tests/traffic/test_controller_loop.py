@@ -35,7 +35,7 @@ def test_around_ideal_vehicles_it_is_the_closed_loop(
     assert plant.initialise(values) == OK
     assert controller.initialise(case) == OK
     step = T / steps_per_period
-    for k in range(1500):
+    for k in range(1000):
         np.testing.assert_allclose(plant.get(*SEEN), loop.get(*SEEN), rtol=0, atol=1e-9)
         assert controller.set(measurement(plant)) == OK
         a = controller.group("a")
