@@ -101,19 +101,21 @@ def networks_up_to(capacity: int, path: Path | None = None) -> dict[int, Network
     Parameters
     ----------
     capacity : N
-    path : a network of the user's own for N vehicles
+    path : a network of the user's own, for N vehicles and perhaps for fewer, too
 
     Raises
     ------
-    ModelError : where a file is unreadable or made for another number of vehicles
+    ModelError : where a file is unreadable or made for other numbers of vehicles
     """
-    found = {n: network_for(n) for n in range(2, capacity + (path is None))}
-    networks = {n: network for n, network in found.items() if network is not None}
     own = network_for(capacity, path) if path else None
+    served = [n for n in range(2, capacity + 1) if own and n in own.reader.vehicles]
+    found = {n: network_for(n) for n in range(2, capacity + 1) if n not in served}
+    networks = {n: network for n, network in found.items() if network is not None}
     if own is None:
         return networks
     taken = any(network.name == own.name for network in networks.values())
-    return networks | {capacity: replace(own, name=f"own_{own.name}") if taken else own}
+    own = replace(own, name=f"own_{own.name}") if taken else own
+    return dict(sorted((networks | dict.fromkeys(served, own)).items()))
 
 
 def notes_on_networks(networks: Mapping[int, NetworkFile]) -> list[str]:

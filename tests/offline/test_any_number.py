@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 import onnx
+from fmu_src.python_runtime import networks_up_to
 from onnx import numpy_helper
 from psp_cli.main import app
 from psp_model import (
@@ -188,6 +189,17 @@ def test_the_network_for_just_that_number_comes_first(small: Path, tmp_path: Pat
     assert [path and path.name for path in paths.values()] == ["platoon_any.onnx", "platoon_4.onnx"]
     networks = read_networks(ONNX, {"3": "platoon_any.onnx", "5": "platoon_any.onnx", "7": "platoon_7.onnx"})
     assert networks[3] is networks[5] and networks[7].vehicles == range(7, 8)
+
+
+def test_a_network_of_ones_own_serves_all_its_numbers(small: Path, tmp_path: Path) -> None:
+    names = {n: network.name for n, network in networks_up_to(4, small).items()}
+    assert names == {2: "platoon_any.onnx", 3: "small.onnx", 4: "small.onnx"}
+    namesake = tmp_path / "platoon_any.onnx"
+    namesake.write_bytes(small.read_bytes())
+    names = {n: network.name for n, network in networks_up_to(4, namesake).items()}
+    assert names == {2: "platoon_any.onnx", 3: "own_platoon_any.onnx", 4: "own_platoon_any.onnx"}
+    with pytest.raises(ModelError, match="made for 3 to 4 vehicles, not for 5"):
+        networks_up_to(5, small)
 
 
 def without(model: onnx.ModelProto, key: str) -> None:
