@@ -1,9 +1,10 @@
 # make simulate: environment, FMU, the paper's two scenarios      make test: everything that CI checks
+# make torture: the torture tests' long form, half an hour on two cores; interrupted, it goes on
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: simulate test fmu lint coverage mutation traffic clean
+.PHONY: simulate test fmu lint coverage mutation traffic clean torture
 .DEFAULT_GOAL := simulate
 
 simulate: fmu
@@ -11,6 +12,9 @@ simulate: fmu
 
 test: $(VENV)/.test fmu lint
 	$(BIN)/python -m pytest -n 2
+
+torture: $(VENV)/.test
+	PYTHONPATH=tests $(BIN)/python -m torture
 
 fmu: $(VENV)/.run
 	$(BIN)/python build_fmu.py

@@ -28,7 +28,7 @@ def whole_file(path: Path) -> Iterator[Path]:
     path with the same ending, as writers go by it; removed where the block fails
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f".{path.stem}.partial{path.suffix}")
+    partial = path.with_name(f".{path.stem}.{os.getpid()}.partial{path.suffix}")  # two processes do not share it
     try:
         yield partial
         with partial.open("rb") as file:

@@ -1,8 +1,8 @@
 """Commands killed at every stage, and disks that are full: nothing half-written is left in place.
 
-Every run is a child of this process, forked after everything is imported.  A kill comes when the child opens, renames or
-removes a file for the k-th time, or in the middle of a write (a file size limit with its signal).  Afterwards each file
-in the folder is the one from before or the one that an undisturbed run writes, and the command, given again, ends well.
+Every run is a child of this process.  A kill comes when the child opens, renames or removes a file for the k-th time,
+or in the middle of a write (a file size limit with its signal).  Afterwards each file in the folder is the one from
+before or the one that an undisturbed run writes, and the command, given again, ends well.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ import numpy as np
 from .trial import Chunk, Outcome
 
 _EVENTS = {"open", "os.rename", "os.remove", "os.mkdir", "os.rmdir"}
-_LEFT_OVER = (".partial", ".part")  # in names of what a killed command may leave behind, beside the files
+_LEFT_OVER = (".partial",)  # in names of what a killed command may leave behind, beside the files
 _OLD = b"what was there before"
 
 
@@ -112,7 +112,7 @@ def kill_at(event: int, folder: Path) -> Callable[[], None]:
 
 
 def limit(size: int, kill: bool) -> Callable[[], None]:
-    """Makes a child's files end at a size: by an error, as on a full disk, or by its death in the middle of the write."""
+    """Makes a child's files end at a size: by an error, as on a full disk, or by its death in the write."""
 
     def before() -> None:
         signal.signal(signal.SIGXFSZ, signal.SIG_DFL if kill else signal.SIG_IGN)
@@ -130,11 +130,11 @@ def _half_written(found: dict[str, bytes], whole: dict[str, bytes]) -> list[str]
     """Files that are neither what was there before nor what an undisturbed run writes."""
     wrong = []
     for name, content in found.items():
-        if any(mark in name for mark in _LEFT_OVER) and ".parts/" not in name:
+        if any(mark in name.split("/")[-1] for mark in _LEFT_OVER):
             continue
         if ".parts/" in name:  # chunks of a data set: each whole or not there
             with suppress(Exception):
-                if name.endswith(".json") or ".partial" in name or np.load(io.BytesIO(content)).files:
+                if name.endswith(".json") or np.load(io.BytesIO(content)).files:
                     continue
         if content not in (_OLD, whole.get(name)):
             wrong.append(name)
@@ -179,14 +179,9 @@ class Stage:
             outcome.violate(f"{self.command.name}, {how}: half-written {wrong}")
         if os.WIFEXITED(status) and os.WEXITSTATUS(status) not in (0, 2):
             outcome.violate(f"{self.command.name}, {how}: ended with {os.WEXITSTATUS(status)}: {said[-300:]}")
-        if os.WIFEXITED(status) and os.WEXITSTATUS(status) == 2:
-            left = [
-                name
-                for name in _files(self.folder)
-                if any(mark in name for mark in _LEFT_OVER) and ".parts/" not in name
-            ]
-            if left:
-                outcome.violate(f"{self.command.name}, {how}: left {left} behind")
+        left = [name for name in _files(self.folder) if any(mark in name.split("/")[-1] for mark in _LEFT_OVER)]
+        if left and os.WIFEXITED(status):
+            outcome.violate(f"{self.command.name}, {how}: left {left} behind")
         return status
 
     def again(self, how: str, outcome: Outcome) -> None:

@@ -2,7 +2,17 @@
 
 from __future__ import annotations
 
-from . import abuse, hostile_files, lemma1_truth, many_instances, omega_runs, saved_states, ten_hours
+from . import (
+    abuse,
+    hostile_files,
+    interrupted,
+    lemma1_truth,
+    many_instances,
+    omega_runs,
+    sanitized,
+    saved_states,
+    ten_hours,
+)
 from .trial import Trial
 
 TRIALS = (
@@ -45,7 +55,7 @@ TRIALS = (
     ),
     Trial(
         "abuse",
-        "FMI calls in any order with any arguments: refused as the standard says, in a sentence, without a crash or NaN",
+        "FMI calls in any order with any arguments: refused as the standard says, in a sentence; no crash, no NaN",
         abuse.run,
         chunks=16,
         count=2_000,
@@ -62,8 +72,28 @@ TRIALS = (
         tell=many_instances.tell,
     ),
     Trial(
+        "sanitizers",
+        "both native FMUs in two threads under ThreadSanitizer, AddressSanitizer, LeakSanitizer, UBSan: nothing found",
+        sanitized.run,
+        chunks=2,
+        count=2_000,
+        short=20,
+        tell=sanitized.tell,
+        needs=("clang",),
+    ),
+    Trial(
+        "fuzzer",
+        "coverage-guided sequences of FMI calls on both native FMUs under AddressSanitizer, UBSan: nothing found",
+        sanitized.fuzz,
+        chunks=2,
+        count=120,
+        short=0,
+        tell=sanitized.tell,
+        needs=("clang",),
+    ),
+    Trial(
         "saved-states",
-        "a saved state has one future: here, in another instance, in another process; damaged or foreign ones are refused",
+        "a saved state has one future, here, in another instance, in another process; damaged or foreign: refused",
         saved_states.run,
         chunks=8,
         count=400,
@@ -76,8 +106,18 @@ TRIALS = (
         hostile_files.run,
         chunks=12,
         count=1_500,
-        short=60,
+        short=40,
         tell=hostile_files.tell,
+        limit=1800.0,
+    ),
+    Trial(
+        "interrupted",
+        "commands killed at every stage, and full disks: nothing half-written in place, the same command goes on",
+        interrupted.run,
+        chunks=14,
+        count=36,
+        short=6,
+        tell=interrupted.tell,
         limit=1800.0,
     ),
 )
