@@ -118,20 +118,22 @@ def _packed(members: dict[str, bytes]) -> bytes:
     return out.getvalue()
 
 
+def _network(name: str) -> Callable[[Chunk], bytes]:
+    return lambda chunk: (ROOT / "onnx" / f"{name}.onnx").read_bytes()
+
+
 _START = "--duration 0.05"
+_CHOICE = (
+    "--network {} --start-only --set parameter_source=3 --set rollout_count=4 --set rollout_horizon=0.1 "
+    "--set lemma1_policy=2"
+)
 KINDS = (
     Kind("toml", lambda chunk: _TOML, spoiled_text, f"compare --scenario {{}} {_START}", 2.0),
     Kind("csv", lambda chunk: _CSV, spoiled_text, "optimize --starts {} -o out/optima.csv"),
     Kind("npz", _npz, spoiled, "optimize --starts {} -o out/optima.npz"),
     Kind("parquet", _parquet, spoiled, "train --data {} -o out/network.onnx --curves out/curves"),
-    Kind(
-        "onnx",
-        lambda chunk: (ROOT / "onnx" / "platoon_4.onnx").read_bytes(),
-        spoiled_network,
-        "certify -n 4 --network {} --start-only --set parameter_source=3 --set rollout_count=4 "
-        "--set rollout_horizon=0.1",
-        2.0,
-    ),
+    Kind("any.onnx", _network("platoon_any"), spoiled_network, f"certify -n 4 {_CHOICE}"),
+    Kind("exact.onnx", _network("platoon_7"), spoiled_network, f"certify -n 7 {_CHOICE}"),
     Kind("native.fmu", _fmu(fmus.PLATOONS[0]), _spoiled_fmu, f"simulate {{}} {_START} --csv out/run.csv"),
     Kind("doctor.fmu", _fmu(fmus.PLATOONS[0]), _spoiled_fmu, "doctor {}"),
     Kind("python.fmu", _fmu(fmus.PLATOONS[1]), _spoiled_fmu, "doctor {}", 0.1),
