@@ -207,7 +207,18 @@ def test_compare_runs_what_the_scenario_names(tmp_path):
 
 def test_simulate_gives_what_the_model_gives(fmu, tmp_path):
     csv = tmp_path / "out.csv"
-    result = psp("simulate", fmu, "--duration", "2 s", "--set", "s_start[2]=9.5", "--csv", str(csv))
+    result = psp(
+        "simulate",
+        fmu,
+        "--duration",
+        "2 s",
+        "--set",
+        "s_start[2]=9.5",
+        "--set",
+        "parameter_source=2",
+        "--csv",
+        str(csv),
+    )
     assert result.exit_code == 0, result.output
     run = run_from_result(read_csv(csv))
     same = simulate(PlatoonState(run.s[0], run.v[0]), BEST_FIXED, duration=2.0)
