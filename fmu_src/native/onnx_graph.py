@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from onnx.helper import get_attribute_value
 
 from onnx import numpy_helper
-from psp_model.network import DICTIONARY, INPUT
-
-CHANNELS = 4  # of a gap, as psp_model/offline/structures.py has them
+from psp_model.network import DICTIONARY, INPUT, ParameterNetwork
+from psp_model.offline.structures import CHANNELS, Layered, PerGap
+from psp_model.state import StartDomain
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,29 @@ def chain_to(graph: Any, output: str) -> Chain:
         relu = node.op_type == "Relu"
         name = node.input[0]
     return Chain(tuple(layers), len(layers) - behind if name == "windows" else 0)
+
+
+def require_same(chain: Chain, network: ParameterNetwork) -> None:
+    """Check that the layers give what the file gives, so that no other network than this one goes into C.
+
+    Parameters
+    ----------
+    chain : to the network's answer
+    network : reads the file
+
+    Raises
+    ------
+    ValueError : where they differ
+    """
+    vehicles = network.vehicles[len(network.vehicles) // 2]
+    s, v = network.domain.draw(np.random.default_rng(0), vehicles, 1)
+    widths = tuple(layer.weights.shape[0] for layer in chain.layers[: chain.shared])
+    structure = PerGap(vehicles - 1, widths, chain.radius) if chain.shared else Layered(vehicles)
+    rows = structure.rows(np.concatenate([s, v]).T, StartDomain(-1.0, 1.0, -1.0, 1.0))  # these bounds scale nothing
+    (found,) = structure.apply([(layer.weights.T, layer.bias) for layer in chain.layers], rows)
+    answer = network.evaluate(s[:, 0], v[:, 0])
+    if not np.allclose(found, [answer.alpha, answer.r, answer.p], rtol=1e-3, atol=1e-5):
+        raise ValueError("the network is wired in another way than psp train wires it")
 
 
 def _layer(node: Any, made_by: dict[str, Any], constants: dict[str, Any], relu: bool) -> Layer:

@@ -16,7 +16,7 @@ from psp_model.parameters import ALPHA_MAX, ALPHA_MIN, P_MAX, P_MIN
 
 from ..python_runtime import NetworkFile
 from ..variables import Variable
-from .onnx_graph import Chain, Layer, candidates, chain_to
+from .onnx_graph import Chain, Layer, candidates, chain_to, require_same
 
 
 def _text(value: str) -> str:
@@ -91,9 +91,23 @@ def _initialiser(chain: Chain, name: str) -> str:
 
 
 def _tables(name: str, network: NetworkFile) -> tuple[list[str], int, int]:
-    """The tables of one network, its widest layer and how many triples it ranks."""
+    """The tables of one network, its widest layer and how many triples it ranks.
+
+    Raises
+    ------
+    RuntimeError : where the network holds something that the C code does not know
+    """
+    try:
+        return _checked_tables(name, network)
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        remedy = "export it with psp train, or build with --runtime python"
+        raise RuntimeError(f"the network file {network.name} cannot go into C ({error}): {remedy}") from None
+
+
+def _checked_tables(name: str, network: NetworkFile) -> tuple[list[str], int, int]:
     graph = onnx.load_from_string(network.content).graph
     parameters = chain_to(graph, PARAMETERS)
+    require_same(parameters, network.reader)
     widest, lines, rows = parameters.widest, [*_layers(f"{name}_PARAMETERS", parameters.layers)], 0
     row = {"parameters": _initialiser(parameters, f"{name}_PARAMETERS")}
     if {SCORES, DICTIONARY} <= {port.name for port in graph.output}:

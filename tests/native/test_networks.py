@@ -5,10 +5,13 @@ from __future__ import annotations
 import ctypes
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+import onnx
+from build_fmu import main as build
 from fmu_src.native.build import native_platoon
 from fmu_src.native.compile import compile_library, host_platform
 from fmu_src.python_runtime import networks_up_to
@@ -44,6 +47,27 @@ def test_answer_and_ranking_are_those_of_onnxruntime(library: ctypes.CDLL, vehic
         start = np.ascontiguousarray(s[:, k]), np.ascontiguousarray(v[:, k])
         expected = [(shape.alpha, shape.r, shape.p) for shape in network.candidates(*start, COUNT)]
         np.testing.assert_array_equal(candidates(library, *start), expected)
+
+
+def another_operator(model: onnx.ModelProto) -> None:
+    next(node for node in model.graph.node if node.op_type == "Relu").op_type = "Sigmoid"
+
+
+def swapped_speeds(model: onnx.ModelProto) -> None:
+    (node,) = (node for node in model.graph.node if node.output[0] == "channels")
+    node.input[1], node.input[2] = node.input[2], node.input[1]
+
+
+@pytest.mark.parametrize("change", [another_operator, swapped_speeds])
+def test_what_the_c_code_would_compute_otherwise_is_refused(tmp_path: Path, capsys: Any, change: Any) -> None:
+    model = onnx.load(str(Path(__file__).parents[2] / "onnx" / "platoon_any.onnx"))
+    change(model)
+    onnx.save(model, str(tmp_path / "other.onnx"))
+    command = ["--runtime", "native", "--vehicles", "3", "--network", str(tmp_path / "other.onnx")]
+    assert build([*command, "--output", str(tmp_path)]) == 2
+    sentence = capsys.readouterr().err
+    assert "other.onnx cannot go into C" in sentence and sentence.count("\n") == 1
+    assert not list(tmp_path.glob("*.fmu"))
 
 
 @pytest.mark.parametrize("vehicles", [-1, 0, 1, CAPACITY, 2**31 - 1])
