@@ -34,6 +34,8 @@ def life(fmu: Unpacked, values: dict[str, float], step: float, count: int) -> tu
     ("values", "step", "count", "sentence"),
     [
         (CLOSING | {"T": 0.3}, 0.3, 20, "would reach v_max = 35 m/s"),
+        (starts([5.5, *[9.0] * 5], [35.0] * 7) | {"potential": 1}, 0.01, 1, "would come to a stop"),
+        ({"n_start": 1, "v_start[1]": 0.0, "T": 3.0}, 3.0, 1, "would reach v_max = 35 m/s"),
         (CLOSE | {"T": 0.1, "lemma1_policy": 2}, 0.1, 10, "where the model ends"),
         (CLOSING | {"T": 0.3, "lemma1_policy": 2}, 0.3, 12, "is not below T_max"),
         (CLOSING | {"T": 0.3, "lemma1_policy": 3}, 0.3, 12, None),
@@ -41,7 +43,17 @@ def life(fmu: Unpacked, values: dict[str, float], step: float, count: int) -> tu
         (starts(*random_start(3)) | {"parameter_source": 3, "rollout_count": 40, "rollout_horizon": 0.5}, 0.1, 5, None),
         (starts(*random_start(3)) | {"T": 1e-18}, 0.1, 1, "more sampling periods"),
     ],
-    ids=["policy 1", "policy 2 to L", "policy 2", "policy 3", "1 rollout", "40 rollouts", "tiny T"],
+    ids=[
+        "policy 1",
+        "too slow",
+        "alone",
+        "policy 2 to L",
+        "policy 2",
+        "policy 3",
+        "1 rollout",
+        "40 rollouts",
+        "tiny T",
+    ],
 )
 def test_both_runtimes_do_and_say_the_same(python_fmu, native_fmu, values, step, count, sentence):
     rows, said = life(native_fmu, values, step, count)
@@ -60,6 +72,28 @@ def test_an_experiment_that_makes_no_sense_is_refused(instance, start, has_stop,
     assert word in instance.messages[-1][1]
     assert instance.call("fmi2Reset") == OK
     assert instance.call("fmi2SetupExperiment", 1, 1e-6, 0.0, 1, 1.0) == OK  # with a tolerance, which we do not need
+
+
+@pytest.mark.parametrize(("start", "size"), [(nan, 0.01), (inf, 0.01), (0.0, nan), (0.0, inf), (0.0, -0.01)])
+def test_a_step_that_makes_no_sense_is_refused(instance, start, size):
+    assert instance.initialise({"parameter_source": 2}) == OK
+    assert instance.step(start, size) == ERROR and "step" in instance.messages[-1][1]
+    assert instance.call("fmi2Reset") == OK and instance.initialise({"parameter_source": 2}) == OK
+    assert instance.step(0.0, 0.01) == OK
+
+
+@pytest.mark.parametrize(("kind", "guid"), [(0, None), (1, b"")], ids=["model exchange", "no GUID"])
+def test_what_cannot_be_made_is_a_null_pointer_and_one_sentence(either_fmu, kind, guid):
+    instance = Instance(either_fmu)
+    instance.messages.clear()
+    model, resources = either_fmu.description, (either_fmu.folder / "resources").as_uri().encode()
+    made = instance.slave.fmi2Instantiate(
+        b"none", kind, model.guid.encode() if guid is None else guid, resources, byref(instance.callbacks), 0, 1
+    )
+    assert not made
+    ((status, sentence),) = instance.messages
+    assert status == ERROR and ": " in sentence
+    instance.close()
 
 
 def test_references_of_the_other_type_or_of_nothing_are_refused(instance):
