@@ -38,7 +38,7 @@ def native_fmu_of_three(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
 
 @pytest.fixture(scope="session")
 def native_fmu_of_twelve(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
-    """PspPlatoonNative.fmu for up to 12 vehicles, without a network."""
+    """PspPlatoonNative.fmu for up to 12 vehicles."""
     return built("native", 12, tmp_path_factory.mktemp("native12"))
 
 

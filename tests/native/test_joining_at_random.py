@@ -113,7 +113,8 @@ def rounds(drive: Drive, count: int) -> list[list[float]]:
 
 @pytest.mark.parametrize("seed", range(12))
 def test_nobody_leaves_the_state_space_and_nothing_is_lost(native_fmu_of_twelve, seed):
-    drive = start(native_fmu_of_twelve, seed, {"potential": 1 + seed % 2})
+    values = {"potential": 1 + seed % 2, "parameter_source": 1 if seed % 4 == 3 else 2}
+    drive = start(native_fmu_of_twelve, seed, values)
     place = [v.name for v in drive.road.fmu.description.modelVariables if v.causality == "output"].index("n_active")
     sizes = [row[place] for row in rounds(drive, 300)]
     assert min(sizes) < 7 and max(sizes) > 7
