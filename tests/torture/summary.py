@@ -56,17 +56,20 @@ def as_markdown(trials: Sequence[Trial], totals: Mapping[str, Outcome], seconds:
     return "\n".join([*lines, *(["", "## Violations", "", *said] if said else []), ""])
 
 
-def write_summary(trials: Sequence[Trial], totals: Mapping[str, Outcome], folder: Path, seconds: float) -> str:
-    """Write summary.md and summary.json; the Markdown comes back.
+def write_summary(
+    trials: Sequence[Trial], totals: Mapping[str, Outcome], places: Sequence[Path], seconds: float
+) -> str:
+    """Write the summary as Markdown and JSON; the Markdown comes back.
 
     Parameters
     ----------
     trials, totals, seconds : as for `as_markdown`
-    folder : to write to
+    places : to write to, without endings
     """
     text = as_markdown(trials, totals, seconds)
     rows = {t.name: totals[t.name].as_dict() | {"promise": t.promise} for t in trials}
     about = {"machine": _machine(), "commit": _commit(), "seconds": seconds, "trials": rows}
-    (folder / "summary.md").write_text(text)
-    (folder / "summary.json").write_text(json.dumps(about, indent=1) + "\n")
+    for place in places:
+        place.with_suffix(".md").write_text(text)
+        place.with_suffix(".json").write_text(json.dumps(about, indent=1) + "\n")
     return text
