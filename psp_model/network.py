@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -193,6 +193,21 @@ class ParameterNetwork:
         return [PotentialParameters(*map(float, row)) for row in (raw[0], *dictionary[best])]
 
 
+@lru_cache(maxsize=64)
+def _shared(path: Path, stamp: tuple[int, int]) -> ParameterNetwork:
+    """The network in a file, one for all who ask: a session of onnxruntime takes time and memory."""
+    return ParameterNetwork(path)
+
+
+def _opened(path: Path) -> ParameterNetwork:
+    """The network in a file as it is now: one that was replaced since is another."""
+    try:
+        state = path.stat()
+    except OSError:  # what is missing is said when it is needed
+        return ParameterNetwork(path)
+    return _shared(path, (state.st_mtime_ns, state.st_size))
+
+
 def read_networks(folder: Path, names: Mapping[Any, str]) -> dict[int, ParameterNetwork]:
     """Networks by number of vehicles, each file read once however many numbers it serves.
 
@@ -201,7 +216,7 @@ def read_networks(folder: Path, names: Mapping[Any, str]) -> dict[int, Parameter
     folder : where the files are
     names : of the files, by number of vehicles, which JSON gives as text
     """
-    networks = {name: ParameterNetwork(folder / name) for name in set(names.values())}
+    networks = {name: _opened(folder / name) for name in set(names.values())}
     return {int(n): networks[name] for n, name in names.items()}
 
 

@@ -265,3 +265,12 @@ def test_train_and_evaluate_take_several_data_sets(tmp_path: Path, monkeypatch: 
     assert Path("out/evaluation/net.png").stat().st_size > 1000
     refused = run.invoke(app, ["evaluate", *data, "--network", "net.onnx"])
     assert refused.exit_code == 2 and "trained on this very data set" in refused.stderr
+
+
+def test_one_file_is_one_network_for_all_who_ask_until_it_is_replaced(tmp_path: Path) -> None:
+    copy = tmp_path / "network.onnx"
+    copy.write_bytes((ONNX / "platoon_any.onnx").read_bytes())
+    first = read_networks(tmp_path, {"3": "network.onnx"})[3]
+    assert read_networks(tmp_path, {"3": "network.onnx"})[3] is first
+    copy.write_bytes((ONNX / "platoon_7.onnx").read_bytes())
+    assert list(read_networks(tmp_path, {"7": "network.onnx"})[7].vehicles) == [7]
