@@ -1,8 +1,8 @@
 """Measures which branches the tests reach: python tests/assurance/branches.py [FOLDER]   (make coverage)
 
-Python: `psp_model`, by coverage.py, in the tests and in the processes that they start.  The copies of the model inside
-FMUs run under other names and do not count.  C: the FMI front and the native backends, by clang's counters in every
-native FMU that the tests build.  What was not reached is listed in FOLDER; the table lies in benchmarks/results.
+Python: `psp_model`, by coverage.py, in the tests, in the processes that they start, and as the copy inside the FMUs
+that they run.  C: the FMI front and the native backends, by clang's counters in every native FMU that the tests build.
+What was not reached is listed in FOLDER; the table lies in benchmarks/results.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from shutil import rmtree, which
 
 ROOT = Path(__file__).parents[2]
 TABLE = ROOT / "benchmarks" / "results" / "branches.md"
-PYTHON_TESTS = ["tests/model", "tests/offline", "tests/traffic"]
+PYTHON_TESTS = ["tests/model", "tests/fmu", "tests/offline", "tests/traffic"]
 C_TESTS = [f"tests/native/test_{name}.py" for name in ("front", "agreement", "derivatives", "edges", "c_functions")]
 C_TESTS += [f"tests/native/test_{name}.py" for name in ("joining", "joining_at_random")]
 C_TESTS += [f"tests/traffic/test_controller_{name}.py" for name in ("native", "behaviour")]
