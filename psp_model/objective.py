@@ -44,7 +44,7 @@ def acceleration_cost(squares: Any, tau: Any, weights: Any) -> Any:
     -------
     (...) array [s]
     """
-    return weights.w1 / weights.a_ref**2 * tau * squares
+    return weights.w1 * tau * squares / weights.a_ref / weights.a_ref  # a_ref^2 might overflow or vanish
 
 
 def gap_cost(gaps: Any, dv: Any, da: Any, tau: Any, weights: Any) -> Any:

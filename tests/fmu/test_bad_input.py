@@ -114,6 +114,14 @@ def test_more_sampling_periods_than_can_be_counted_are_an_error_and_not_a_hang(i
     assert f"{step:g} s are more sampling periods of T = {T:.10g} s than can be counted" in sentence
 
 
+@pytest.mark.parametrize("value", [1e300, 1e-300])
+@pytest.mark.parametrize("name", ["a_ref", "s_ref"])
+def test_scales_whose_squares_leave_double_precision_are_no_failure(instance, name, value):
+    assert instance.initialise({name: value}) == OK
+    assert instance.step(0.0, 0.05) == OK
+    assert all(term >= 0.0 for term in instance.get("J", "J_acceleration", "J_gap"))
+
+
 def test_a_step_from_another_time_than_the_last_is_an_error(instance):
     assert instance.initialise() == OK
     assert instance.step(0.0, 0.01) == OK
