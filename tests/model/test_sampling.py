@@ -223,6 +223,24 @@ def test_policy_3_spans_are_dyadic_and_end_at_nominal_instants() -> None:
     assert shortened > 10
 
 
+def test_exactly_max_short_periods_are_allowed_in_one_call() -> None:
+    run, needed = CASES["policy 3, shortened"](), 0
+    while run.now.period == 0:
+        ends = run.now.fraction + run.now.span
+        needed += ends < 1.0  # the one that ends at the nominal instant is none of the short ones
+        run.advance_to(*((1, 0.0) if ends == 1.0 else (0, ends)))
+    assert needed > 3
+    run = CASES["policy 3, shortened"]()
+    run.sampling = replace(run.sampling, max_short_periods=needed)
+    run.advance_to(1, 0.0)
+    run = CASES["policy 3, shortened"]()
+    run.sampling = replace(run.sampling, max_short_periods=needed - 1)
+    with pytest.raises(ModelError) as caught:
+        run.advance_to(1, 0.0)
+    assert caught.value.key == "short_periods"
+    assert run.now.fraction > 0.0 and f"t = {run.now.fraction * T:.10g} s" in str(caught.value)
+
+
 def test_policy_3_takes_the_longest_dyadic_span_that_is_certified() -> None:
     now = CASES["policy 3, shortened"]().now
     assert now.span * T < now.T_max <= 2 * now.span * T

@@ -42,6 +42,10 @@ def life(fmu: Unpacked, values: dict[str, float], step: float, count: int) -> tu
         (starts(*random_start(3)) | {"parameter_source": 3, "rollout_count": 1, "rollout_horizon": 0.5}, 0.1, 5, None),
         (starts(*random_start(3)) | {"parameter_source": 3, "rollout_count": 40, "rollout_horizon": 0.5}, 0.1, 5, None),
         (starts(*random_start(3)) | {"T": 1e-18}, 0.1, 1, "more sampling periods"),
+        ({"w1": nan}, 0.1, 1, "w1 must be a finite number"),
+        ({"alpha_fixed": nan, "parameter_source": 2}, 0.1, 1, "alpha must be a finite number"),
+        ({"r_fixed": inf, "parameter_source": 2}, 0.1, 1, "r must be a finite number"),
+        ({"z": 5.0}, 0.1, 1, "are used instead of the network's"),
     ],
     ids=[
         "policy 1",
@@ -53,6 +57,10 @@ def life(fmu: Unpacked, values: dict[str, float], step: float, count: int) -> tu
         "1 rollout",
         "40 rollouts",
         "tiny T",
+        "no w1",
+        "no alpha",
+        "no r",
+        "another z",
     ],
 )
 def test_both_runtimes_do_and_say_the_same(python_fmu, native_fmu, values, step, count, sentence):
