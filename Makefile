@@ -1,10 +1,11 @@
 # make simulate: environment, FMU, the paper's two scenarios      make test: everything that CI checks
+# make bench: all measurements beside floors and peers, into docs/benchmarks.md
 # make torture: the torture tests' long form, half an hour on two cores; interrupted, it goes on
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: simulate test fmu lint coverage mutation traffic clean torture
+.PHONY: simulate test fmu lint coverage mutation traffic clean torture bench
 .DEFAULT_GOAL := simulate
 
 simulate: fmu
@@ -12,6 +13,9 @@ simulate: fmu
 
 test: $(VENV)/.test fmu lint
 	$(BIN)/python -m pytest -n 2
+
+bench: $(VENV)/.test
+	PYTHONPATH=tests $(BIN)/python -m benchmarks
 
 torture: $(VENV)/.test
 	PYTHONPATH=tests $(BIN)/python -m torture

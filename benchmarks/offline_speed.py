@@ -30,7 +30,15 @@ def timed(work: Callable[[], Any]) -> tuple[Any, float, float]:
     return found, time.perf_counter() - wall, time.process_time() - cpu
 
 
-def evolution(start: np.ndarray, problem: Problem, engine: Engine, limit: SlopeLimit, seed: int) -> np.ndarray:
+def evolution(
+    start: np.ndarray,
+    problem: Problem,
+    engine: Engine,
+    limit: SlopeLimit,
+    seed: int,
+    population: int = 15,
+    generations: int = 60,
+) -> np.ndarray:
     """scipy's differential evolution over (log alpha, r, level of p), population by population; the best triple."""
     from scipy.optimize import differential_evolution
 
@@ -40,9 +48,8 @@ def evolution(start: np.ndarray, problem: Problem, engine: Engine, limit: SlopeL
         return np.where(feasible, J, 1e3)
 
     bounds = [(np.log(1e-3), np.log(1e-1)), (5.96, 17.0), (0.0, 1.0)]
-    found = differential_evolution(
-        costs, bounds, popsize=15, maxiter=60, vectorized=True, updating="deferred", polish=False, rng=seed
-    )
+    options = {"vectorized": True, "updating": "deferred", "polish": False, "rng": seed}
+    found = differential_evolution(costs, bounds, popsize=population, maxiter=generations, **options)
     return limit.triples(np.exp(found.x[0]), found.x[1], found.x[2])[0]
 
 

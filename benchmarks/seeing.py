@@ -1,16 +1,14 @@
-"""How quick is what people look at?  `python benchmarks/seeing.py` prints the table; needs chromium and selenium.
+"""How quick is what people look at: bare Python is the floor for `psp --help`, an empty page for the reports.
 
-Every time stands beside a floor of the same run: bare Python for `psp --help`, an empty page for the reports.
+Needs chromium and selenium.
 """
 
 from __future__ import annotations
 
-import statistics
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +21,9 @@ from psp_view.cases import comparison, run_case  # noqa: E402
 from psp_view.report import write_report  # noqa: E402
 from view.browser import browser  # noqa: E402
 
-REPEATS = 9
+from .registry import Context  # noqa: E402
+from .rounds import Row, interleave, row  # noqa: E402
+
 READY = "return document.documentElement.dataset.ready === 'yes'"
 FRAMES = """
 const done = arguments[0], began = performance.now();
@@ -37,11 +37,6 @@ psp.road.toggle();
   done(frames / 3);
 })();
 """
-
-
-def median_of(call: Callable[[], float]) -> float:
-    """The median of a few calls."""
-    return statistics.median(call() for _ in range(REPEATS))
 
 
 def seconds(*arguments: str) -> float:
@@ -68,29 +63,26 @@ def reports(folder: Path) -> dict[str, Path]:
             run_case(k, s, trained) for k, s in comparison(setup({}, vehicles, trained is not None), trained).items()
         ]
         found[name] = folder / f"{vehicles}.html"
-        write_report((cases * 2)[:4], found[name], "python benchmarks/seeing.py", trained)
+        write_report((cases * 2)[:4], found[name], "python -m benchmarks seeing", trained)
     empty = folder / "empty.html"
     text = "<script>performance.mark('ready'); document.documentElement.dataset.ready = 'yes'</script>"
     empty.write_text(f"<!doctype html>{text}", encoding="utf-8")
     return {"an empty page": empty, **found}
 
 
-def main() -> list[tuple[str, str]]:
-    """Measure and print the table; its rows come back."""
-    rows = [
-        ("psp --help", f"{median_of(lambda: seconds('-m', 'psp_cli', '--help')):.3f} s"),
-        ("python -c pass, the floor", f"{median_of(lambda: seconds('-c', 'pass')):.3f} s"),
-    ]
+def measure(context: Context) -> list[Row]:
+    """All lines of this measurement."""
+    shell = {"psp": lambda: seconds("-m", "psp_cli", "--help"), "python": lambda: seconds("-c", "pass")}
+    found = interleave(shell, context.rounds(9))
+    rows = [row("psp --help", "", "python -c pass", found["psp"], found["python"], "s")]
     with tempfile.TemporaryDirectory() as folder, browser() as driver:
-        for name, path in reports(Path(folder)).items():
-            took = median_of(lambda path=path: opening(driver, path.as_uri()))
-            rows.append((f"opening {name}, {path.stat().st_size / 1e6:.2f} MB", f"{took:.3f} s"))
-            if "runs" in name:
-                rows.append((f"animating {name}", f"{driver.execute_async_script(FRAMES):.0f} frames/s"))
-    for row in rows:
-        print("| " + " | ".join(row) + " |")
+        pages = reports(Path(folder))
+        opened = {name: (lambda path=path: opening(driver, path.as_uri())) for name, path in pages.items()}
+        found = interleave(opened, context.rounds(9))
+        for name, path in list(pages.items())[1:]:
+            size, pair = f"{path.stat().st_size / 1e6:.2f} MB", (found[name], found["an empty page"])
+            rows.append(row(f"opening a report of {name}", size, "an empty page", *pair, "s"))
+            opening(driver, path.as_uri())
+            frames = driver.execute_async_script(FRAMES)
+            rows.append(Row(f"animating {name}", size, "", frames, None, "frames/s", None, None, None, 1))
     return rows
-
-
-if __name__ == "__main__":
-    main()

@@ -36,7 +36,7 @@ def _agree(python_fmu, native_fmu, values, sizes, tolerance):
 
 @pytest.mark.parametrize(("potential", "source", "tolerance"), [(1, 2, 1e-9), (2, 2, 1e-9), (2, 1, 1e-6), (2, 3, 1e-6)])
 def test_20_seconds_from_random_starts_agree(python_fmu, native_fmu, potential, source, tolerance):
-    for seed in range(2 if source == 3 else 6):  # 50 each: python benchmarks/native_agreement.py
+    for seed in range(2 if source == 3 else 6):  # 20 each: python -m benchmarks agreement
         values = starts(*random_start(seed)) | {"potential": potential, "parameter_source": source}
         _agree(python_fmu, native_fmu, values, [0.05] * 400, tolerance)
 
