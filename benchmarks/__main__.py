@@ -32,9 +32,13 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(names)} (all)")
     parser.add_argument("--quick", action="store_true", help="a smoke run whose figures mean nothing")
     parser.add_argument("--fresh", action="store_true", help="forget what an interrupted run had measured")
-    parser.add_argument("--output", type=Path, help="folder for the JSON (benchmarks/results; quick: build/bench/quick)")
+    parser.add_argument(
+        "--output", type=Path, help="folder for the JSON (benchmarks/results; quick: build/bench/quick)"
+    )
     default = Path(os.environ.get("PSP_BENCH_PEERS", CACHE / "peers"))
-    text = f"folder with virtual environments of the peers, made there if missing ($PSP_BENCH_PEERS, or {CACHE.name})"
+    text = (
+        f"folder with virtual environments of the peers, made there if missing ($PSP_BENCH_PEERS, or build/bench/peers)"
+    )
     parser.add_argument("--peers", type=Path, default=default, help=text)
     options = parser.parse_args(arguments)
     if unknown := set(options.names) - set(names):

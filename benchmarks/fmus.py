@@ -105,9 +105,7 @@ def _built(runtime: str, vehicles: int, folder: Path) -> Fmu:
     outputs = [variable.valueReference for variable in model.modelVariables if variable.causality == "output"]
     assert outputs == list(range(outputs[0], outputs[0] + len(outputs)))
     places = (reference["s_start[2]"], reference["v_start[1]"], reference["parameter_source"])
-    return Fmu(
-        unpacked, model.coSimulation.modelIdentifier, model.guid, vehicles, len(outputs), outputs[0], *places
-    )
+    return Fmu(unpacked, model.coSimulation.modelIdentifier, model.guid, vehicles, len(outputs), outputs[0], *places)
 
 
 def _empty(kind: str, vehicles: int, folder: Path) -> Fmu:
@@ -118,7 +116,9 @@ def _empty(kind: str, vehicles: int, folder: Path) -> Fmu:
         platform = host_platform()
         library = folder / "binaries" / platform / f"Empty.{ENDINGS[platform]}"
         library.parent.mkdir(parents=True)
-        library.write_bytes(compile_library(platform, "Empty", files, [f"-DOUTPUTS={outputs}", "-Wno-unused-parameter"]))
+        library.write_bytes(
+            compile_library(platform, "Empty", files, [f"-DOUTPUTS={outputs}", "-Wno-unused-parameter"])
+        )
         (folder / "resources").mkdir()
         return Fmu(str(folder), "Empty", "{empty}", vehicles, outputs, 0)
     from pythonfmu import FmuBuilder

@@ -64,6 +64,8 @@ def measure(context: Context) -> list[Row]:
     run, whole = found["onnxruntime"], found["session"]
     return [
         row("native FMU: network and projection", "n = 7", "onnxruntime, run", native, run, "µs", scale=1e6),
-        row("psp_model.network, evaluate", "n = 7", "onnxruntime, run", found["ParameterNetwork"], run, "µs", scale=1e6),
+        row(
+            "psp_model.network, evaluate", "n = 7", "onnxruntime, run", found["ParameterNetwork"], run, "µs", scale=1e6
+        ),
         row("Python FMU: network and projection", "n = 7", "onnxruntime, open and run", python, whole, "ms", scale=1e3),
     ]

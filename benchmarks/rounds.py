@@ -45,7 +45,9 @@ class Row:
 Samples = Mapping[str, Sequence[float]]
 
 
-def interleave(measures: Mapping[str, Callable[[], float]], rounds: int, seconds: float = 60.0) -> dict[str, list[float]]:
+def interleave(
+    measures: Mapping[str, Callable[[], float]], rounds: int, seconds: float = 60.0
+) -> dict[str, list[float]]:
     """Call all measures in turn, round after round.
 
     Parameters
@@ -101,6 +103,4 @@ def row(
     """
     pairs = list(zip(ours, theirs, strict=True))
     ratio, low, high = spread([theirs / ours if rate else ours / theirs for ours, theirs in pairs])
-    return Row(
-        what, size, peer, scale * median(ours), scale * median(theirs), unit, ratio, low, high, len(pairs), note
-    )
+    return Row(what, size, peer, scale * median(ours), scale * median(theirs), unit, ratio, low, high, len(pairs), note)

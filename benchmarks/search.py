@@ -92,7 +92,9 @@ def measure(context: Context) -> list[Row]:
         ours = next((name for name in ORDER if means[name] <= 0), "full")
         note = f"its mean J is {100 * abs(means[ours]):.2g} % {'lower' if means[ours] <= 0 else 'higher'}"
         size = f"{len(theirs)} starts of 7"
-        rows.append(row(f"search, {ours}", size, rival, samples[ours], samples[rival], "ms/start", scale=1e3, note=note))
+        rows.append(
+            row(f"search, {ours}", size, rival, samples[ours], samples[rival], "ms/start", scale=1e3, note=note)
+        )
     context.say("a brute-force grid")
     return [*rows, against_brute_force(rivals, 1 if context.quick else 10)]
 
@@ -103,4 +105,6 @@ def against_brute_force(rivals: Rivals, count: int) -> Row:
     points = feasible_grid()
     best = [brute_force(start, points, Engine(rivals.problem), rivals.exact, rng) for start in starts]
     ours = rivals.searches["full"].solve(starts).J
-    return row("search, full: J found", f"{count} starts of 7", f"grid of {len(points):,} points, refined", ours, best, "J")
+    return row(
+        "search, full: J found", f"{count} starts of 7", f"grid of {len(points):,} points, refined", ours, best, "J"
+    )

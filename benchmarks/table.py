@@ -45,7 +45,7 @@ def conditions(results: Sequence[dict[str, Any]]) -> str:
     listed = ", ".join(f"{name} {version}" for name, version in versions.items())
     minutes = sum(result["seconds"] for result in results) / 60
     return (
-        f"{machine['processor']}, {machine['cores']} cores, {machine['memory_gib']} GiB, {machine['system']}; {listed}. "
-        f"Measured from {dates[0]} to {dates[-1]}, {minutes:.0f} minutes in all; load average before a measurement "
-        f"{min(loads):.1f} to {max(loads):.1f}."
+        f"{machine['processor']}, {machine['cores']} cores, {machine['memory_gib']} GiB, {machine['system']}; "
+        f"{listed}. Measured from {dates[0]} to {dates[-1]}, {minutes:.0f} minutes in all; "
+        f"load average before each part {min(loads):.1f} to {max(loads):.1f}."
     )

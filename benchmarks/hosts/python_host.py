@@ -1,6 +1,6 @@
 """A Python host that measures doStep over one sampling period and getReal of all outputs; protocol as in step_host.c.
 
-python_host.py fmpy|ctypes FOLDER MODEL LIBRARY RESOURCE_URI GUID VEHICLES OUTPUTS FIRST_OUTPUT S_START V_START SOURCE GAP
+python_host.py fmpy|ctypes FOLDER MODEL, then the arguments of step_host
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """cavsandbox, CACC on one lane: cavsandbox_peer.py VEHICLES.
 
-Headless, with its defaults: steps of 0.01 s, exact sensors, actuators with lag, a log at 10 Hz that becomes a data frame.
+Headless, with its defaults: steps of 0.01 s, exact sensors, actuators with lag, a log at 10 Hz as a data frame.
 """
 
 from __future__ import annotations
