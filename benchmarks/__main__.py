@@ -37,7 +37,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     )
     default = Path(os.environ.get("PSP_BENCH_PEERS", CACHE / "peers"))
     text = (
-        f"folder with virtual environments of the peers, made there if missing ($PSP_BENCH_PEERS, or build/bench/peers)"
+        "folder with virtual environments of the peers, made there if missing ($PSP_BENCH_PEERS, or build/bench/peers)"
     )
     parser.add_argument("--peers", type=Path, default=default, help=text)
     options = parser.parse_args(arguments)
