@@ -13,7 +13,7 @@ from .network import ParameterNetwork
 from .parameters import BEST_FIXED, V_OLD, ObjectiveWeights, PlatoonParameters, PotentialParameters
 from .platoon import Sampling
 from .rollout import best_by_rollout, share_rollouts
-from .state import PlatoonState, StartDomain
+from .state import PlatoonState
 
 
 class ParameterSource(IntEnum):
@@ -52,23 +52,34 @@ class Request:
             raise ModelError("horizon", self.horizon)
 
 
-def outside_domain(start: PlatoonState, domain: StartDomain, constants: PlatoonParameters) -> str | None:
+def outside_domain(s: Any, v: Any, constants: PlatoonParameters, network: ParameterNetwork) -> str | None:
     """Why a network's answer does not hold for a start, or None if it does (ours).
 
     Parameters
     ----------
-    start : initial state, with its constants
-    domain, constants : what the network was trained for
+    s, v : (n-1,) gaps [m] and (n,) speeds [m/s]
+    constants : of the model
+    network : with what it was trained for
 
     Returns
     -------
     the reason, to go into a sentence
     """
-    if start.constants != constants:
+    if constants != network.constants:
         return "other constants than the network was trained with"
-    if not domain.contains(start.s, start.v):
+    if not network.domain.contains(s, v):
         return "gaps or speeds outside the network's training domain"
     return None
+
+
+def _fallback(
+    reason: str, request: Request, constants: PlatoonParameters, warn: Callable[[str], None]
+) -> PotentialParameters:
+    """The fixed triple, with a warning."""
+    fixed = request.fixed
+    require_feasible(fixed, constants)
+    warn(str(ModelError("fallback", reason, fixed.alpha, fixed.r, fixed.p)))
+    return fixed
 
 
 def choose_potential(
@@ -104,12 +115,9 @@ def choose_potential(
         return request.fixed
     if network is None:
         raise ModelError("no_network", start.v.size)
-    reason = outside_domain(start, network.domain, network.constants)
+    reason = outside_domain(start.s, start.v, start.constants, network)
     if reason is not None:
-        require_feasible(request.fixed, start.constants)
-        fixed = request.fixed
-        warn(ModelError("fallback", reason, fixed.alpha, fixed.r, fixed.p).args[0])
-        return fixed
+        return _fallback(reason, request, start.constants, warn)
     if request.source is ParameterSource.NETWORK:
         return project(network.evaluate(start.s, start.v), start.constants)
     count, rounds = share_rollouts(request.rollouts)
@@ -144,17 +152,15 @@ def choose_for_any_number(
     ------
     ModelError : as `choose_potential` does
     """
-    n, fixed, network = v.size, request.fixed, networks.get(v.size)
+    network = networks.get(v.size)
     if request.old:
         return V_OLD, False
-    if n == 1 or request.source is ParameterSource.FIXED:  # a lone vehicle meets no potential
-        require_feasible(fixed, constants)
-        return fixed, False
+    if v.size == 1 or request.source is ParameterSource.FIXED:  # a lone vehicle meets no potential
+        require_feasible(request.fixed, constants)
+        return request.fixed, False
     if network is None:
-        require_feasible(fixed, constants)
-        reason = f"{n} vehicles, for which there is no network here"
-        warn(str(ModelError("fallback", reason, fixed.alpha, fixed.r, fixed.p)))
-        return fixed, False
-    start = PlatoonState(s, v, constants)
-    shape = choose_potential(start, request, network, weights, sampling, warn)
-    return shape, outside_domain(start, network.domain, network.constants) is None
+        return _fallback(f"{v.size} vehicles, for which there is no network here", request, constants, warn), False
+    reason = outside_domain(s, v, constants, network)
+    if reason is not None:  # also where policy 2 has let vehicles leave the state space
+        return _fallback(reason, request, constants, warn), False
+    return choose_potential(PlatoonState(s, v, constants), request, network, weights, sampling, warn), True
