@@ -11,6 +11,7 @@ from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
 from typing import Any, TypeVar
+from weakref import ref
 
 from pythonfmu.enums import Fmi2Status
 from pythonfmu.fmi2slave import Fmi2Slave
@@ -182,5 +183,14 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
             horizon=read("rollout_horizon"),
         )
 
-    def _warn(self, sentence: str) -> None:
-        self.log(sentence, Fmi2Status.warning)
+    @property
+    def _warn(self) -> Callable[[str], None]:
+        """Logs a sentence as a warning; it does not keep a freed slave and its networks in memory."""
+        slave = ref(self)
+
+        def warn(sentence: str) -> None:
+            alive = slave()
+            if alive is not None:
+                alive.log(sentence, Fmi2Status.warning)
+
+        return warn
