@@ -55,6 +55,8 @@ class ParameterNetwork:
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = options.inter_op_num_threads = 1
         options.add_session_config_entry("session.intra_op.allow_spinning", "0")
+        # the further optimisations hang or crash on some files with sizes that cannot be
+        options.graph_optimization_level = onnxruntime.GraphOptimizationLevel.ORT_ENABLE_BASIC
         options.log_severity_level = 4  # what is wrong is said once, by ModelError
         try:
             content = self.path.read_bytes()

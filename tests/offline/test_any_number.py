@@ -274,3 +274,11 @@ def test_one_file_is_one_network_for_all_who_ask_until_it_is_replaced(tmp_path: 
     assert read_networks(tmp_path, {"3": "network.onnx"})[3] is first
     copy.write_bytes((ONNX / "platoon_7.onnx").read_bytes())
     assert list(read_networks(tmp_path, {"7": "network.onnx"})[7].vehicles) == [7]
+
+
+def test_a_file_with_a_size_that_cannot_be_is_refused_at_once(tmp_path: Path) -> None:
+    model = onnx.load(str(ONNX / "platoon_any.onnx"))
+    model.graph.input[0].type.tensor_type.shape.dim[-1].dim_value = 2**31
+    (tmp_path / "network.onnx").write_bytes(model.SerializeToString())
+    with pytest.raises(ModelError, match=r"network\.onnx"):
+        ParameterNetwork(tmp_path / "network.onnx").require_vehicles(4)
