@@ -76,7 +76,8 @@ def _compile_one(target: str, folder: Path, sources: Sequence[str], name: str, e
     command += [f"-Wl,-install_name,@rpath/{library.name}"] if ending == "dylib" else []
     command += ["-o", str(library.relative_to(folder)), *sources]
     command += ["-flto", "-lm", "-ldl", "-Wl,--as-needed"] if ending == "so" else []
-    subprocess.run(command, check=True, cwd=folder)
+    if subprocess.run(command, cwd=folder, check=False).returncode:
+        raise RuntimeError(f"the C compiler failed for {target}, its messages are above: mend what they name")
     return library.read_bytes()
 
 

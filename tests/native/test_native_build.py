@@ -182,3 +182,8 @@ def test_a_short_run_of_the_fuzzer_finds_nothing(component):
 def test_the_compiler_is_asked_for_one_library_per_platform_only():
     library = compile_library("linux64", "nothing", {"nothing.c": b"int nothing(void) { return 0; }\n"})
     assert library[:4] == b"\x7fELF"
+
+
+def test_sources_that_do_not_compile_are_a_clear_error():
+    with pytest.raises(RuntimeError, match="the C compiler failed for x86_64-linux-gnu"):
+        compile_library("linux64", "nothing", {"nothing.c": b"not C"})
