@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from ctypes import byref, c_double, c_int, c_uint
 from pathlib import Path
+from weakref import WeakMethod
 
 import numpy as np
 from fmpy import extract, read_model_description
@@ -14,6 +15,10 @@ from fmpy.fmi2 import FMU2Slave, addLoggerProxy, defaultCallbacks, fmi2CallbackF
 from psp_model import StartDomain
 
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
+
+
+def _nobody(*said: object) -> None:
+    """Hears what an instance says that nobody looks at any more."""
 
 
 class Unpacked:
@@ -41,7 +46,8 @@ class Instance:
             instanceName=name,
         )
         self.callbacks = fmi2CallbackFunctions()
-        self.callbacks.logger = fmi2CallbackLoggerTYPE(lambda *said: self._log(*said))
+        log = WeakMethod(self._log)  # tests/conftest.py keeps the logger, which must not keep the instance
+        self.callbacks.logger = fmi2CallbackLoggerTYPE(lambda *said: (log() or _nobody)(*said))
         self.callbacks.allocateMemory = defaultCallbacks.allocateMemory
         self.callbacks.freeMemory = defaultCallbacks.freeMemory
         addLoggerProxy(byref(self.callbacks))  # turns format and arguments into text
