@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
 from .bad_input import BadInput
+from .options import require_countable
 from .scenario import Scenario
 
 
@@ -39,7 +41,20 @@ def inspect(fmu: Path) -> Any:
     description = description_of(fmu)
     if not any(variable.name == "s_start[2]" for variable in description.modelVariables):
         raise BadInput(f"{fmu} is the FMU {description.modelName!r}, not a platoon: give one that `psp build` made")
+    _require_starts(fmu, description)
     return description
+
+
+def _require_starts(fmu: Path, description: Any) -> None:
+    """Check that there is a T above 0, and that every parameter starts with a number."""
+    starts = {variable.name: variable.start for variable in parameters_of(description)}
+    for name, start in ({"T": None} | starts).items():
+        try:
+            makes_sense = isfinite(float(start)) and (name != "T" or float(start) > 0)
+        except (TypeError, ValueError):
+            makes_sense = False
+        if not makes_sense:
+            raise BadInput(f"{fmu} starts its parameter {name} with {start!r}, which cannot be: build the FMU anew")
 
 
 def description_of(fmu: Path) -> Any:
@@ -108,6 +123,7 @@ def run_fmu(fmu: Path, description: Any, scenario: Scenario, values: Mapping[str
     integers = {variable.name for variable in description.modelVariables if variable.type == "Integer"}
     start_values = {name: int(value) if name in integers else value for name, value in values.items()}
     step = scenario.step or values.get("T") or float(_start(description, "T"))
+    require_countable(replace(scenario, step=step))
     try:
         result = simulate_fmu(
             str(fmu),

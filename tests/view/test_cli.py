@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
@@ -236,6 +238,21 @@ def test_simulate_lists_parameters_with_units(fmu):
 def test_simulate_says_what_the_fmu_says(fmu):
     result = psp("simulate", fmu, "--set", "v_start[2]=36")
     assert result.exit_code == 2 and "speed v[2] = 36 m/s must lie in [0, 35] m/s" in result.stderr
+
+
+@pytest.mark.parametrize("start", ["", ' start="nan"', ' start="-1"', ' start="1e-300"'])
+def test_simulate_refuses_an_fmu_that_starts_with_an_impossible_period(fmu, tmp_path, start):
+    spoiled = tmp_path / "spoiled.fmu"
+    with ZipFile(fmu) as good, ZipFile(spoiled, "w") as bad:
+        for name in good.namelist():
+            content = good.read(name)
+            if name == "modelDescription.xml":
+                content = re.sub(
+                    rb'(name="T".*?)( start="[^"]*")', rb"\1" + start.encode(), content, count=1, flags=re.S
+                )
+            bad.writestr(name, content)
+    result = psp("simulate", str(spoiled), "--duration", "1")
+    assert result.exit_code == 2 and result.stderr.count("\n") == 1, result.stderr
 
 
 def test_simulate_refuses_a_scenario_for_other_vehicles(fmu, tmp_path):
