@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from ctypes import byref, c_double, c_int, c_uint
 from pathlib import Path
-from weakref import WeakMethod
+from weakref import ref
 
 import numpy as np
 from fmpy import extract, read_model_description
@@ -15,10 +15,6 @@ from fmpy.fmi2 import FMU2Slave, addLoggerProxy, defaultCallbacks, fmi2CallbackF
 from psp_model import StartDomain
 
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
-
-
-def _nobody(*said: object) -> None:
-    """Hears what an instance says that nobody looks at any more."""
 
 
 class Unpacked:
@@ -46,8 +42,8 @@ class Instance:
             instanceName=name,
         )
         self.callbacks = fmi2CallbackFunctions()
-        log = WeakMethod(self._log)  # tests/conftest.py keeps the logger, which must not keep the instance
-        self.callbacks.logger = fmi2CallbackLoggerTYPE(lambda *said: (log() or _nobody)(*said))
+        me = ref(self)  # tests/conftest.py keeps the logger, which must not keep the instance
+        self.callbacks.logger = fmi2CallbackLoggerTYPE(lambda *said: me() and me()._log(*said))
         self.callbacks.allocateMemory = defaultCallbacks.allocateMemory
         self.callbacks.freeMemory = defaultCallbacks.freeMemory
         addLoggerProxy(byref(self.callbacks))  # turns format and arguments into text
