@@ -26,6 +26,7 @@ from .potential import potential_slope
 SLOPE_ERROR = 1e-9  # [m/s2] `max_slope` is this close to the true maximum, or closer
 _FIRST_CELLS = 64  # cells that the hill is first cut into
 _CHILDREN = 8  # cells that each undecided cell is cut into
+_MOST_CELLS = 1 << 16  # undecided cells at a time: more only where the bound overflows
 _P_ERROR = 2.0**-40  # [1] how close the projection comes to the slope limit, in p; in r [m] likewise
 _ALPHA_ERROR = 1e-9  # [1] how close the flattest hill is found, in alpha
 _PROBES = 33  # starting points of the projection's search in r
@@ -71,7 +72,8 @@ def max_slope(shape: PotentialParameters, constants: Constants, enough: float = 
     """max |V_new'| on [r, r + 3] (paper, feasible set), never above the true maximum and at most SLOPE_ERROR below it.
 
     Branch and bound on `cell_bound`: cells that may still hide a larger value are cut until none may (ours).  Slopes
-    above 1000 m/s2 are exact to 1e-12 of their size only.
+    above 1000 m/s2 are exact to 1e-12 of their size only.  Where the bound overflows, as for lambda = 1e110 m, no cell
+    is ever decided, and the slope counts as infinite.
 
     Parameters
     ----------
@@ -92,6 +94,8 @@ def max_slope(shape: PotentialParameters, constants: Constants, enough: float = 
         undecided = (upper > best + max(SLOPE_ERROR, 1e-12 * best)) & (b > np.nextafter(a, np.inf))
         if best > enough or not undecided.any():
             return best
+        if undecided.sum() > _MOST_CELLS:
+            return inf
         cuts = np.linspace(a[undecided], b[undecided], _CHILDREN + 1)
         a, b = cuts[:-1].ravel(), cuts[1:].ravel()
 

@@ -17,6 +17,7 @@ BAD_VALUES = [
     ({"L": -1.0}, ["L = -1 m", "positive"]),
     ({"lambda": 8.0}, ["lambda = 8 m", "8 m", "raise lambda or lower L"]),
     ({"lambda": 7.0}, ["lambda = 7 m"]),
+    ({"lambda": 1e110, "parameter_source": 2}, ["max |V_new'| = inf m/s2", "z = 4 m/s2"]),
     ({"v_star": 0.0}, ["v_star = 0 m/s", "v_max = 35 m/s"]),
     ({"v_star": 35.0}, ["v_star = 35 m/s", "v_max = 35 m/s"]),
     ({"v_max": -3.0}, ["v_max = -3 m/s"]),

@@ -239,3 +239,10 @@ def test_bounds_belong_to_the_feasible_set() -> None:
         for r in (6.0, 17.0):
             for p in (P_MIN, P_MAX):
                 require_feasible(PotentialParameters(alpha, r, p), roomy)
+
+
+@pytest.mark.parametrize("lam", [1e80, 1e103, 1e110, 1e160])
+def test_a_slope_whose_bound_overflows_is_refused_and_takes_no_memory(lam):
+    """Without a limit the search would cut the hill into cells as long as there is memory."""
+    with pytest.raises(ModelError, match="must not exceed z"):
+        require_feasible(BEST_FIXED, PlatoonParameters(lam=lam))

@@ -11,7 +11,7 @@
 #define P_ERROR 0x1p-40
 #define ALPHA_ERROR 1e-9
 #define PROBES 33
-enum { FIRST_CELLS = 64, CHILDREN = 8 };
+enum { FIRST_CELLS = 64, CHILDREN = 8, MOST_CELLS = 1 << 16 };
 
 typedef struct {
     double begin, end, upper;
@@ -83,6 +83,10 @@ static double max_slope(const Shape *shape, const Constants *constants, double e
         best = bound_cells(&lists[now], shape, constants, best);
         if (best > enough) break;
         split_undecided(&lists[now], &lists[1 - now], best);
+        if (lists[1 - now].count > (size_t)MOST_CELLS * CHILDREN) { /* the bound overflows, so nothing is ever decided */
+            best = INFINITY;
+            break;
+        }
     }
     const bool failed = lists[0].failed || lists[1].failed;
     free(lists[0].cells);
