@@ -53,7 +53,10 @@ def simulate(
         out = fmu_runs.run_fmu(fmu, description, wanted, wanted.values | extra)
         for sentence in out.warnings:
             typer.echo(f"psp: warning: {sentence}", err=True)
-        runs[name] = run_from_result(out.result)
+        try:
+            runs[name] = run_from_result(out.result)
+        except KeyError as error:
+            raise BadInput(f"{fmu} does not put out {error.args[0]}: build the FMU anew") from None
         if csv is not None:
             file = csv if len(wanted.runs) < 2 else csv.with_name(f"{csv.stem}-{len(runs)}{csv.suffix}")
             write_csv(file, out.result)

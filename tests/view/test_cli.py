@@ -240,16 +240,19 @@ def test_simulate_says_what_the_fmu_says(fmu):
     assert result.exit_code == 2 and "speed v[2] = 36 m/s must lie in [0, 35] m/s" in result.stderr
 
 
-@pytest.mark.parametrize("start", ["", ' start="nan"', ' start="-1"', ' start="1e-300"'])
-def test_simulate_refuses_an_fmu_that_starts_with_an_impossible_period(fmu, tmp_path, start):
+SPOILED = [
+    (rb'(name="T".*?)( start="[^"]*")', start) for start in (b"", b' start="nan"', b' start="-1"', b' start="1e-300"')
+]
+
+
+@pytest.mark.parametrize(("what", "instead"), [*SPOILED, (rb'(name=")(s\[3\]")', b'other"')])
+def test_simulate_refuses_an_fmu_with_an_impossible_period_or_without_an_output(fmu, tmp_path, what, instead):
     spoiled = tmp_path / "spoiled.fmu"
     with ZipFile(fmu) as good, ZipFile(spoiled, "w") as bad:
         for name in good.namelist():
             content = good.read(name)
             if name == "modelDescription.xml":
-                content = re.sub(
-                    rb'(name="T".*?)( start="[^"]*")', rb"\1" + start.encode(), content, count=1, flags=re.S
-                )
+                content = re.sub(what, rb"\1" + instead, content, count=1, flags=re.DOTALL)
             bad.writestr(name, content)
     result = psp("simulate", str(spoiled), "--duration", "1")
     assert result.exit_code == 2 and result.stderr.count("\n") == 1, result.stderr
