@@ -22,9 +22,9 @@ CAPACITY, COUNT = 13, 40
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
-    """platoon_network.c with all networks of this project up to 13 vehicles, its functions to be seen."""
+    """network.c with all networks of this project up to 13 vehicles, its functions to be seen."""
     fmu = replace(native_platoon(CAPACITY, {}), networks=networks_up_to(CAPACITY))
-    sources = {n: c for n, c in fmu.sources("").items() if n.endswith(".h") or n == "platoon_network.c"}
+    sources = {n: c for n, c in fmu.sources("").items() if n.endswith(".h") or n == "network.c"}
     path = tmp_path_factory.mktemp("network") / "network.so"
     path.write_bytes(compile_library(host_platform(), "network", sources, ["-fvisibility=default"]))
     return ctypes.CDLL(str(path))

@@ -4,7 +4,6 @@
 
 #include "vehicles.h"
 
-enum { POLICY_ERROR = 1, POLICY_WARN = 2 };
 enum { BAD_INPUT_ERROR = 1, BAD_INPUT_SAFE_ACTION = 2 };
 
 /* What the controller is told once. */

@@ -8,8 +8,6 @@
 
 #include "native_model.h"
 
-#define LONGEST 1e9 /* [s] T_max of a lone vehicle at rest with v_star is infinite, which importers do not like */
-
 bool part_initialise(Backend *backend)
 {
     Part *part = &backend->model.part;

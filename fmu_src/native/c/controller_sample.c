@@ -21,9 +21,6 @@ static bool refuse(char *text, const char *format, ...)
     return false;
 }
 
-/* A number as every C library prints it: without the sign of a NaN. */
-static double printable(double value) { return isnan(value) ? (double)NAN : value; }
-
 static bool not_finite(char *text, const char *name, int vehicle, double value, const char *unit)
 {
     char indexed[32];

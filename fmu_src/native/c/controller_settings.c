@@ -6,12 +6,10 @@
 
 static bool read_sampling(Front *front, const double *read, Settings *settings)
 {
-    settings->T = read[PSP_T];
     settings->phase = read[PSP_phase];
     if (!read_choice(front, "lemma1_policy", read[PSP_lemma1_policy], 1, 2, &settings->policy) ||
-        !finite_or_log(front, "T", settings->T, "s"))
+        !read_period(front, read, &settings->T))
         return false;
-    REQUIRE(settings->T > 0.0, PSP_SENTENCE_T, settings->T);
     REQUIRE(0.0 <= settings->phase && settings->phase < settings->T, PSP_SENTENCE_phase, settings->phase, settings->T);
     return true;
 }

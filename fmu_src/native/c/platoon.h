@@ -13,8 +13,6 @@ typedef struct {
     Instant now;
 } Platoon;
 
-enum { POLICY_ERROR = 1, POLICY_WARN = 2, POLICY_SHORTEN = 3 };
-
 /* All of these are false on failure, which has been logged. */
 
 /* platoon_start.c: constants, weights, sampling and start from the parameters, checked; the potential is not chosen. */

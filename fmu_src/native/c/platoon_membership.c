@@ -37,9 +37,6 @@ static void refuse(Told *told, double gap_offered)
     told->gap_offered = gap_offered;
 }
 
-/* NAN as it is printed everywhere. */
-static double printable(double value) { return isnan(value) ? (double)NAN : value; }
-
 static bool refuse_join(Work *work, Told *told, const Joining *asked)
 {
     const int place = asked->place + 1;

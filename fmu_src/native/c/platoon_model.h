@@ -25,8 +25,6 @@ typedef struct {
 
 typedef Instant Scratch; /* outputs between two sampling instants: no room on a stack for many vehicles */
 
-#define LONGEST 1e9 /* [s] T_max of a lone vehicle at rest with v_star is infinite, which importers do not like */
-
 /* platoon_membership.c: the members at the start, and whether they lie in the network's domain; the changes whose
  * triggers have risen, at the communication point: false on failure, which has been logged; a refusal is none. */
 void part_begin(Part *part, int n);

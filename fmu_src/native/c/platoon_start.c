@@ -8,12 +8,10 @@
 static bool read_sampling(Front *front, const double *read, Platoon *platoon)
 {
     int policy, max_short_periods;
-    platoon->T = read[PSP_T];
     if (!read_choice(front, "lemma1_policy", read[PSP_lemma1_policy], 1, 3, &policy) ||
         !read_choice(front, "max_short_periods", read[PSP_max_short_periods], 1, 0, &max_short_periods) ||
-        !finite_or_log(front, "T", platoon->T, "s"))
+        !read_period(front, read, &platoon->T))
         return false;
-    REQUIRE(platoon->T > 0.0, PSP_SENTENCE_T, platoon->T);
     platoon->policy = policy;
     platoon->max_short_periods = max_short_periods;
     return true;

@@ -42,9 +42,11 @@ typedef struct {
 } Request;
 
 enum { SOURCE_NETWORK = 1, SOURCE_FIXED = 2, SOURCE_ROLLOUT = 3 };
+enum { POLICY_ERROR = 1, POLICY_WARN = 2, POLICY_SHORTEN = 3 }; /* the controller does not shorten */
 
 #define TIME_TOLERANCE 1e-6 /* [sampling periods] as in psp_model/platoon.py */
 #define PERIODS_MAX 9e15    /* more sampling periods cannot be told apart */
+#define LONGEST 1e9         /* [s] T_max of a lone vehicle at rest with v_star is infinite, which importers do not like */
 
 /* Whatever is bool below is false on failure, which has been logged. */
 
@@ -64,24 +66,27 @@ double largest_period(const Constants *constants, int n, const double *s, const 
 void pass_time(const Weights *weights, Instant *at, double tau);
 double locate(double time, double T, double *fraction);
 
-/* parameters.c: constants, weights and the choice of the potential from the values of the variables, checked. */
+/* parameters.c: a number as every C library prints it, without the sign of a NaN; sampling period, constants, weights and
+ * the choice of the potential from the values of the variables, checked. */
+double printable(double value);
 bool finite_or_log(Front *front, const char *name, double value, const char *unit);
 bool read_choice(Front *front, const char *name, double value, int low, int high, int *chosen); /* high < low: none */
+bool read_period(Front *front, const double *values, double *T);
 bool read_constants(Front *front, const double *values, Constants *constants);
 bool read_weights(Front *front, const double *values, Weights *weights);
 bool read_request(Front *front, const double *values, Request *request); /* leaves n, s, v and x alone */
 
-/* platoon_feasible.c */
+/* feasible.c */
 bool require_feasible(Front *front, const Shape *shape, const Constants *constants);
 bool project(Front *front, Shape *shape, const Constants *constants);
 
-/* platoon_network.c: whether there is a network for n vehicles; its answer first, then the triples it ranks highest, and
+/* network.c: whether there is a network for n vehicles; its answer first, then the triples it ranks highest, and
  * how many there are; NULL, or why the network's answer does not hold for a start. */
 bool network_for(int n);
 int network_candidates(int n, const double *s, const double *v, int count, Shape *candidates);
 const char *outside_domain(int n, const double *s, const double *v, const Constants *constants);
 
-/* platoon_choice.c: the potential for the vehicles of the request, and whether it is a network's (in_domain); the warning
+/* choice.c: the potential for the vehicles of the request, and whether it is a network's (in_domain); the warning
  * that a quiet choice kept to itself. */
 bool choose_shape(Front *front, const Constants *constants, const Weights *weights, double T, const Request *request,
                   Shape *shape, bool *in_domain);
