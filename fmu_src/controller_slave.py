@@ -31,10 +31,11 @@ class PspController(TableSlave):
     Instants inside a communication step use the inputs from its beginning.
     """
 
+    _part: SampledController | None
+
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         self._networks = read_networks(Path(self.resources), self._config["networks"])
-        self._controller: SampledController | None = None
         self._ahead: Command | None = None  # the decision at the instant that the current point is, if one is known
         self._sampled = 0  # instants that lie in the past
         self._set_at = 0.0  # [s] when gaps or speeds were last set
@@ -43,12 +44,8 @@ class PspController(TableSlave):
     def _make_table(self) -> tuple[Variable, ...]:
         return controller_table(self.vehicles, self._config["default_source"])
 
-    def _running(self) -> bool:
-        return self._controller is not None
-
     def _changed(self, inputs: bool) -> None:
-        if not inputs:
-            self._controller = None
+        super()._changed(inputs)
         self._ahead, self._stale, self._fresh = None, True, True
         self._set_at = self._time
 
@@ -58,12 +55,6 @@ class PspController(TableSlave):
     def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
         super().setup_experiment(start_time, stop_time, tolerance)
         self._set_at = start_time  # what was set before belongs to the start
-
-    @logged
-    def exit_initialization_mode(self) -> None:
-        if self._controller is None:
-            self._controller = self._initialise()
-        self._initialising, self._stale = False, True
 
     def _initialise(self) -> SampledController:
         read, sampling = self._value, self._sampling()
@@ -109,7 +100,7 @@ class PspController(TableSlave):
 
     @logged
     def do_step(self, current_time: float, step_size: float) -> bool:
-        controller, end = self._controller, current_time + step_size
+        controller, end = self._part, current_time + step_size
         assert controller is not None  # the launcher lets nobody step before initialisation has ended
         if step_size <= 0.0:
             return True
@@ -138,34 +129,30 @@ class PspController(TableSlave):
             self._ahead = trial.now
         return self._ahead
 
-    def _refresh(self) -> None:
-        if self._controller is None:
-            if not self._initialising:
-                return
-            self._controller = self._initialise()
-        now, shape = self._decided(self._controller), self._decided(self._controller).shape
+    def _outputs(self, controller: SampledController) -> list[float]:
+        now = self._decided(controller)
+        shape = now.shape
         certified = now.T_max > self._value("T")
         reports = (shape.alpha, shape.r, shape.p, now.in_domain, min(now.T_max, LONGEST), certified, now.violations)
         counts = (now.in_order, now.faults, now.choices)
-        self._values[self._first_output :] = map(float, [*now.a, *now.saturated, *reports, *counts])
-        self._stale = False
+        return [*map(float, (*now.a, *now.saturated, *reports, *counts))]
 
     # the whole state
 
     @logged
     def _get_fmu_state(self) -> dict[str, Any]:
         state = {name: getattr(self, name) for name in _SAVED} | {"_values": tuple(self._values)}
-        return state | {"now": self._controller and self._controller.now, "ahead": self._ahead}
+        return state | {"now": self._part and self._part.now, "ahead": self._ahead}
 
     @logged
     def _set_fmu_state(self, state: dict[str, Any]) -> None:
         for name in _SAVED:
             setattr(self, name, state[name])
         self._values, self._ahead, self._stale = list(state["_values"]), state["ahead"], True
-        self._controller = None
+        self._part = None
         if state["now"] is not None:
-            self._controller = self._initialise()
-            self._controller.now = state["now"]
+            self._part = self._initialise()
+            self._part.now = state["now"]
 
     @staticmethod
     def _fmu_state_to_bytes(state: dict[str, Any]) -> bytes:

@@ -22,25 +22,10 @@ _SAVED = ("_values", "_start_time", "_time", "_initialising")
 class PspPlant(TableSlave):
     """n double integrators; see `psp_model.IdealPlant`."""
 
-    def __init__(self, **kwargs: Any) -> None:
-        super().__init__(**kwargs)
-        self._plant: IdealPlant | None = None
+    _part: IdealPlant | None
 
     def _make_table(self) -> tuple[Variable, ...]:
         return plant_table(self.vehicles)
-
-    def _running(self) -> bool:
-        return self._plant is not None
-
-    def _changed(self, inputs: bool) -> None:
-        if not inputs:
-            self._plant, self._stale = None, True
-
-    @logged
-    def exit_initialization_mode(self) -> None:
-        if self._plant is None:
-            self._plant = self._initialise()
-        self._initialising, self._stale = False, True
 
     def _initialise(self) -> IdealPlant:
         n, free = self.vehicles, PlatoonParameters(L=1e-9, lam=1e6, v_star=1.0, v_max=1e6)  # nothing but motion forward
@@ -50,7 +35,7 @@ class PspPlant(TableSlave):
 
     @logged
     def do_step(self, current_time: float, step_size: float) -> bool:
-        plant, end = self._plant, current_time + step_size
+        plant, end = self._part, current_time + step_size
         assert plant is not None  # the launcher lets nobody step before initialisation has ended
         a = np.array(self._numbers("a", 1, self.vehicles))
         for i in np.flatnonzero(~np.isfinite(a)).tolist():
@@ -59,21 +44,16 @@ class PspPlant(TableSlave):
         self._time, self._stale = end, True
         return True
 
-    def _refresh(self) -> None:
-        if self._plant is None:
-            if not self._initialising:
-                return
-            self._plant = self._initialise()
-        seen = self._plant.now
-        self._values[self._first_output :] = [*seen.positions().tolist(), *seen.v.tolist(), *seen.s.tolist()]
-        self._stale = False
+    def _outputs(self, plant: IdealPlant) -> list[float]:
+        seen = plant.now
+        return [*seen.positions().tolist(), *seen.v.tolist(), *seen.s.tolist()]
 
     # the whole state
 
     @logged
     def _get_fmu_state(self) -> dict[str, Any]:
         state = {name: getattr(self, name) for name in _SAVED} | {"_values": tuple(self._values)}
-        plant = self._plant and {"T": self._plant.T, "period": self._plant.period, "now": _pack(self._plant.now)}
+        plant = self._part and {"T": self._part.T, "period": self._part.period, "now": _pack(self._part.now)}
         return state | {"plant": plant}
 
     @logged
@@ -81,7 +61,7 @@ class PspPlant(TableSlave):
         for name in _SAVED:
             setattr(self, name, state[name])
         self._values, self._stale, plant = list(state["_values"]), True, state["plant"]
-        self._plant = plant and IdealPlant(_unpack(plant["now"]), plant["T"], plant["period"])
+        self._part = plant and IdealPlant(_unpack(plant["now"]), plant["T"], plant["period"])
 
 
 def _pack(motion: Motion) -> dict[str, Any]:

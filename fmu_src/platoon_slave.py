@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from psp_model.choose import ParameterSource, choose_for_any_number
+from psp_model.choose import ParameterSource, choose_for_any_number, outside_domain
 from psp_model.errors import ModelError
 from psp_model.feasible import require_feasible
 from psp_model.membership import OpenPlatoon, Refusal
@@ -37,12 +37,16 @@ class PspPlatoon(TableSlave):
     Vehicles join and leave where a communication step begins.
     """
 
+    _part: SampledPlatoon | None
+
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        self._trained: dict[int, dict[str, Any]] = {int(n): entry for n, entry in self._config["networks"].items()}
-        files = {n: entry["file"] for n, entry in self._trained.items()}
-        self._networks = read_networks(Path(self.resources), files)
-        self._platoon: SampledPlatoon | None = None
+        trained = {int(n): entry for n, entry in self._config["networks"].items()}
+        self._networks = read_networks(Path(self.resources), {n: entry["file"] for n, entry in trained.items()})
+        # asked without opening a network, which takes time and onnxruntime
+        self._trained = {
+            n: (StartDomain(**entry["domain"]), PlatoonParameters(**entry["constants"])) for n, entry in trained.items()
+        }
         self._in_domain = 0.0
         self._insert, self._remove = self._place["insert"], self._place["remove"]
         self._become(Members())
@@ -53,22 +57,7 @@ class PspPlatoon(TableSlave):
     def _make_table(self) -> tuple[Variable, ...]:
         return platoon_table(self.vehicles, self._config["default_source"])
 
-    def _running(self) -> bool:
-        return self._platoon is not None
-
-    def _changed(self, inputs: bool) -> None:
-        if not inputs:
-            self._platoon = None
-            self._stale = True
-
     # initialisation
-
-    @logged
-    def exit_initialization_mode(self) -> None:
-        if self._platoon is None:
-            self._platoon = self._initialise()
-        self._initialising = False
-        self._stale = True
 
     def _initialise(self) -> SampledPlatoon:
         """The platoon that the parameters describe, at its first sampling instant."""
@@ -93,12 +82,8 @@ class PspPlatoon(TableSlave):
 
     def _lies_in_domain(self, platoon: SampledPlatoon) -> float:
         """1.0 if there is a network for so many vehicles and they are in its training domain, else 0.0."""
-        now = platoon.now
-        trained = self._trained.get(now.v.size)
-        if trained is None:
-            return 0.0
-        domain, constants = StartDomain(**trained["domain"]), PlatoonParameters(**trained["constants"])
-        return float(platoon.start.constants == constants and bool(domain.contains(now.s, now.v)))
+        now, trained = platoon.now, self._trained.get(platoon.now.v.size)
+        return float(trained is not None and outside_domain(now.s, now.v, platoon.start.constants, *trained) is None)
 
     # joining and leaving
 
@@ -118,7 +103,7 @@ class PspPlatoon(TableSlave):
 
     def _make(self, change: Callable[[OpenPlatoon], Refusal | None]) -> None:
         """Make a change or note why not."""
-        assert self._platoon is not None
+        assert self._part is not None
         members = self._members
         heard: list[str] = []
 
@@ -126,7 +111,7 @@ class PspPlatoon(TableSlave):
             heard.clear()  # what an earlier trial was warned of does not count
             return self._choose(s, v, heard.append)
 
-        road = OpenPlatoon(self._platoon, self.vehicles, choose, members.vehicles, members.joined)
+        road = OpenPlatoon(self._part, self.vehicles, choose, members.vehicles, members.joined)
         refused = change(road)
         if refused:
             self._warn(refused.sentence)
@@ -135,7 +120,7 @@ class PspPlatoon(TableSlave):
             return
         for sentence in heard:
             self._warn(sentence)
-        self._platoon, self._in_domain = road.platoon, self._lies_in_domain(road.platoon)
+        self._part, self._in_domain = road.platoon, self._lies_in_domain(road.platoon)
         counted = replace(members, vehicles=road.vehicles, joined=road.joined, changes=members.changes + 1)
         self._become(replace(counted, change_ok=1.0))
 
@@ -145,7 +130,7 @@ class PspPlatoon(TableSlave):
     def do_step(self, current_time: float, step_size: float) -> bool:
         if step_size > 0.0:
             self._make_changes()
-        platoon = self._platoon
+        platoon = self._part
         assert platoon is not None  # the launcher lets nobody step before initialisation has ended
         time = current_time + step_size
         self._stale = True
@@ -157,20 +142,13 @@ class PspPlatoon(TableSlave):
             raise
         return True
 
-    def _refresh(self) -> None:
-        """Bring the outputs in `_values` up to date."""
-        if self._platoon is None:
-            if not self._initialising:
-                return
-            self._platoon = self._initialise()
-        platoon = self._platoon
+    def _outputs(self, platoon: SampledPlatoon) -> list[float]:
         seen = platoon.observe(*locate(self._time - self._start_time, platoon.sampling.T))
         parts = [part.tolist() for part in (seen.x, seen.v, seen.a, seen.s)]
         if missing := [0.0] * (self.vehicles - seen.v.size):
             parts = [part + missing for part in parts]
         reported = self._reported(platoon, seen.cost.tolist())
-        self._values[self._first_output :] = [value for part in (*parts, reported, self._told) for value in part]
-        self._stale = False
+        return [value for part in (*parts, reported, self._told) for value in part]
 
     def _reported(self, platoon: SampledPlatoon, cost: list[float]) -> list[float]:
         """The outputs behind the motion, in the order of the table."""
@@ -191,7 +169,7 @@ class PspPlatoon(TableSlave):
             in_domain=self._in_domain,
             initialising=self._initialising,
             members=self._members,
-            platoon=copy(self._platoon),
+            platoon=copy(self._part),
         )
 
     @logged
@@ -200,9 +178,9 @@ class PspPlatoon(TableSlave):
         self._start_time, self._time, self._in_domain = state.start_time, state.time, state.in_domain
         self._initialising, self._stale = state.initialising, True
         self._become(state.members)
-        self._platoon = copy(state.platoon)
-        if self._platoon is not None:
-            self._platoon.warn = self._warn
+        self._part = copy(state.platoon)
+        if self._part is not None:
+            self._part.warn = self._warn
 
     _fmu_state_to_bytes: Any = staticmethod(to_bytes)
     _fmu_state_from_bytes: Any = staticmethod(from_bytes)

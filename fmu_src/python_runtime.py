@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import psp_model
-from psp_model.network import ParameterNetwork, network_path
+from psp_model.network import ParameterNetwork, network_path, open_network
 
 from .documentation import index_page
 from .ecosystem import layered_standard, reference_results
@@ -90,7 +90,7 @@ def network_for(vehicles: int, path: Path | None = None) -> NetworkFile | None:
     path = path or network_path(vehicles, Path(__file__).parents[1] / "onnx")
     if path is None:
         return None
-    network = ParameterNetwork(path)
+    network = open_network(path)
     network.require_vehicles(vehicles)
     return NetworkFile(path.name, path.read_bytes(), network.domain.as_dict(), dict(vars(network.constants)), network)
 

@@ -7,7 +7,7 @@ around a slave, returns that status from the FMI call.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import wraps
 from pathlib import Path
 from typing import Any, TypeVar
@@ -48,8 +48,8 @@ def logged(call: Callable[..., Result]) -> Callable[..., Result | bool | list[fl
 class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
     """A slave whose variables are the rows of a table.
 
-    A subclass says which table (`_make_table`), when parameters may no longer change (`_running`), what a change means
-    (`_changed`) and how the outputs are brought up to date (`_refresh`).
+    A subclass says which table (`_make_table`), what the parameters describe (`_initialise`) and what that puts out
+    (`_outputs`).
     """
 
     def __init__(self, **kwargs: Any) -> None:
@@ -64,6 +64,7 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         self._start_time = 0.0
         self._time = 0.0  # [s] last communication point
         self._initialising = False
+        self._part: Any = None  # what the parameters describe, made when initialisation ends or outputs are read
         self._stale = True  # the outputs in _values lag behind
         # Real and Integer variables read last, found to be in order
         self._read: dict[bool, list[int]] = {False: [], True: []}
@@ -71,17 +72,27 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
     def _make_table(self) -> tuple[Variable, ...]:
         raise NotImplementedError
 
-    def _running(self) -> bool:
-        """Whether initialisation has ended."""
+    def _initialise(self) -> Any:
+        """What the parameters describe, checked."""
+        raise NotImplementedError
+
+    def _outputs(self, part: Any) -> Iterable[float]:
+        """What it puts out at the communication point, in the order of the table."""
         raise NotImplementedError
 
     def _changed(self, inputs: bool) -> None:
         """Parameters or, if `inputs`, inputs only were set."""
-        raise NotImplementedError
+        if not inputs:
+            self._part, self._stale = None, True
 
     def _refresh(self) -> None:
-        """Bring the outputs in `_values` up to date."""
-        raise NotImplementedError
+        """Bring the outputs in `_values` up to date; before initialisation there is nothing to show."""
+        if self._part is None:
+            if not self._initialising:
+                return
+            self._part = self._initialise()
+        self._values[self._first_output :] = self._outputs(self._part)
+        self._stale = False
 
     # parameters and inputs in, outputs out
 
@@ -109,7 +120,7 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
             inputs = False
             if reference >= self._first_output:
                 raise ModelError("output", row.name)
-            if self._running() and not self._initialising:
+            if self._part is not None and not self._initialising:
                 raise ModelError("fixed", row.name)
         for reference, value in zip(references, values, strict=True):
             self._values[reference] = value
@@ -138,6 +149,12 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
     @logged
     def enter_initialization_mode(self) -> None:
         self._initialising = True
+
+    @logged
+    def exit_initialization_mode(self) -> None:
+        if self._part is None:
+            self._part = self._initialise()
+        self._initialising, self._stale = False, True
 
     # what the parameters say
 

@@ -104,12 +104,12 @@ def network_file(vehicles: int, path: Path | None) -> ParameterNetwork | None:
     vehicles : n
     path : a network of the user's own
     """
-    from psp_model.network import ParameterNetwork, network_path
+    from psp_model.network import network_path, open_network
 
     path = path or network_path(vehicles, Path(__file__).parents[1] / "onnx")
     if path is None:
         return None
-    network = ParameterNetwork(path)
+    network = open_network(path)
     network.require_vehicles(vehicles)
     return network
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .bad_input import BadInput
-from .options import Duration, ScenarioFile, Seed, Set, command_line, gather, require_countable
+from .options import Duration, ScenarioFile, Seed, Set, command_line, gather
 
 if TYPE_CHECKING:
     from psp_model import Run
@@ -47,7 +47,6 @@ def simulate(
     wanted = gather(fmu_runs.vehicles_of(description), scenario, assignments, seed, duration)
     if step is not None:
         wanted = _with_step(wanted, step)
-        require_countable(wanted)
     runs: dict[str, Run] = {}
     for name, extra in (wanted.runs or {fmu.stem: {}}).items():
         out = fmu_runs.run_fmu(fmu, description, wanted, wanted.values | extra)

@@ -13,7 +13,7 @@ from .network import ParameterNetwork
 from .parameters import BEST_FIXED, V_OLD, ObjectiveWeights, PlatoonParameters, PotentialParameters
 from .platoon import Sampling
 from .rollout import best_by_rollout, share_rollouts
-from .state import PlatoonState
+from .state import PlatoonState, StartDomain
 
 
 class ParameterSource(IntEnum):
@@ -52,22 +52,24 @@ class Request:
             raise ModelError("horizon", self.horizon)
 
 
-def outside_domain(s: Any, v: Any, constants: PlatoonParameters, network: ParameterNetwork) -> str | None:
+def outside_domain(
+    s: Any, v: Any, constants: PlatoonParameters, domain: StartDomain, trained_with: PlatoonParameters
+) -> str | None:
     """Why a network's answer does not hold for a start, or None if it does (ours).
 
     Parameters
     ----------
     s, v : (n-1,) gaps [m] and (n,) speeds [m/s]
     constants : of the model
-    network : with what it was trained for
+    domain, trained_with : starts and constants that the network was trained on
 
     Returns
     -------
     the reason, to go into a sentence
     """
-    if constants != network.constants:
+    if constants != trained_with:
         return "other constants than the network was trained with"
-    if not network.domain.contains(s, v):
+    if not domain.contains(s, v):
         return "gaps or speeds outside the network's training domain"
     return None
 
@@ -108,21 +110,11 @@ def choose_potential(
     ------
     ModelError : where a fixed triple is not feasible or a network is asked for and missing or unreadable
     """
-    if request.old:
-        return V_OLD
-    if request.source is ParameterSource.FIXED:
-        require_feasible(request.fixed, start.constants)
-        return request.fixed
-    if network is None:
-        raise ModelError("no_network", start.v.size)
-    reason = outside_domain(start.s, start.v, start.constants, network)
-    if reason is not None:
-        return _fallback(reason, request, start.constants, warn)
-    if request.source is ParameterSource.NETWORK:
-        return project(network.evaluate(start.s, start.v), start.constants)
-    count, rounds = share_rollouts(request.rollouts)
-    candidates = network.candidates(start.s, start.v, count)
-    return best_by_rollout(start, candidates, weights, sampling, request.horizon, rounds)
+    n = start.v.size
+    if network is None and not request.old and request.source is not ParameterSource.FIXED:
+        raise ModelError("no_network", n)
+    networks = {} if network is None else {n: network}
+    return choose_for_any_number(start.s, start.v, start.constants, request, networks, weights, sampling, warn)[0]
 
 
 def choose_for_any_number(
@@ -140,7 +132,8 @@ def choose_for_any_number(
     Parameters
     ----------
     s, v : (n-1,) gaps [m] and (n,) speeds [m/s], n >= 1
-    constants, request, weights, sampling : as `choose_potential` takes them
+    constants : of the model
+    request, weights, sampling : as `choose_potential` takes them
     networks : by number of vehicles
     warn : called with one sentence where the fallback is used
 
@@ -150,7 +143,7 @@ def choose_for_any_number(
 
     Raises
     ------
-    ModelError : as `choose_potential` does
+    ModelError : where a fixed triple is not feasible or a network is unreadable
     """
     network = networks.get(v.size)
     if request.old:
@@ -160,7 +153,11 @@ def choose_for_any_number(
         return request.fixed, False
     if network is None:
         return _fallback(f"{v.size} vehicles, for which there is no network here", request, constants, warn), False
-    reason = outside_domain(s, v, constants, network)
+    reason = outside_domain(s, v, constants, network.domain, network.constants)
     if reason is not None:  # also where policy 2 has let vehicles leave the state space
         return _fallback(reason, request, constants, warn), False
-    return choose_potential(PlatoonState(s, v, constants), request, network, weights, sampling, warn), True
+    if request.source is ParameterSource.NETWORK:
+        return project(network.evaluate(s, v), constants), True
+    count, rounds = share_rollouts(request.rollouts)
+    candidates, start = network.candidates(s, v, count), PlatoonState(s, v, constants)
+    return best_by_rollout(start, candidates, weights, sampling, request.horizon, rounds), True

@@ -201,11 +201,16 @@ def _shared(path: Path, stamp: tuple[int, int]) -> ParameterNetwork:
     return ParameterNetwork(path)
 
 
-def _opened(path: Path) -> ParameterNetwork:
-    """The network in a file as it is now: one that was replaced since is another."""
+def open_network(path: Path) -> ParameterNetwork:
+    """The network in a file as it is now, one for all who ask; a file that was replaced since is another (ours).
+
+    Parameters
+    ----------
+    path : the file; where it is missing or damaged, that is said when the network is needed
+    """
     try:
         state = path.stat()
-    except OSError:  # what is missing is said when it is needed
+    except OSError:
         return ParameterNetwork(path)
     return _shared(path, (state.st_mtime_ns, state.st_size))
 
@@ -218,7 +223,7 @@ def read_networks(folder: Path, names: Mapping[Any, str]) -> dict[int, Parameter
     folder : where the files are
     names : of the files, by number of vehicles, which JSON gives as text
     """
-    networks = {name: _opened(folder / name) for name in set(names.values())}
+    networks = {name: open_network(folder / name) for name in set(names.values())}
     return {int(n): networks[name] for n, name in names.items()}
 
 
@@ -237,4 +242,4 @@ def network_path(vehicles: int, folder: Path) -> Path | None:
     exact, free = folder / f"platoon_{vehicles}.onnx", folder / ANY_NUMBER
     if exact.exists():
         return exact
-    return free if free.exists() and vehicles in ParameterNetwork(free).vehicles else None
+    return free if free.exists() and vehicles in open_network(free).vehicles else None
