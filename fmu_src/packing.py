@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from hashlib import sha256
 from pathlib import Path
 
-from psp_model.offline.whole_file import whole_file
+from psp_model.whole_file import whole_file
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest time a zip file can hold: builds carry no clock
 

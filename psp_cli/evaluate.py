@@ -70,7 +70,7 @@ def _report(judged: list[Evaluation], network: Path, output: Path, card: bool) -
     from psp_model.offline.by_number import by_number_dict, regret_markdown, regret_picture
     from psp_model.offline.evaluate import as_dict, as_markdown, picture
     from psp_model.offline.model_card import write_card
-    from psp_model.offline.whole_file import write_whole
+    from psp_model.whole_file import write_whole
 
     command = "psp " + " ".join(sys.argv[1:])
     image = output / f"{network.stem}.png"

@@ -8,7 +8,7 @@ from hashlib import sha256
 from math import isfinite
 from pathlib import Path
 
-from psp_model.offline.whole_file import write_whole
+from psp_model.whole_file import write_whole
 
 Row = dict[str, float]
 

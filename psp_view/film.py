@@ -13,8 +13,8 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from psp_model.offline.whole_file import whole_file
 from psp_model.parameters import PlatoonParameters
+from psp_model.whole_file import whole_file
 
 from .cases import Case
 from .motion import moving_frame

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from psp_model.offline.whole_file import whole_file
 from psp_model.simulate import Run
+from psp_model.whole_file import whole_file
 
 
 def run_from_result(result: Any) -> Run:

@@ -10,7 +10,7 @@ import matplotlib
 from matplotlib import colormaps
 from matplotlib.figure import Figure
 
-from psp_model.offline.whole_file import whole_file
+from psp_model.whole_file import whole_file
 
 OKABE_ITO = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#F0E442")
 """The palette of Okabe and Ito (2008); yellow comes last because it is hard to see on white."""

@@ -7,8 +7,8 @@ from pathlib import Path
 from textwrap import fill
 from typing import Any
 
+from ..whole_file import whole_file
 from .evaluate import Evaluation, as_dict
-from .whole_file import whole_file
 
 Scores = Mapping[int, Mapping[str, Mapping[str, Any]]]
 

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from ..whole_file import read_arrays, write_whole
 from .errors import OfflineError
 from .parquet import write_dataset
 from .plan import Plan, solve_chunk
-from .whole_file import read_arrays, write_whole
 
 
 def make_dataset(

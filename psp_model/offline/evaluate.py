@@ -15,12 +15,12 @@ from ..feasible import project
 from ..network import ParameterNetwork
 from ..parameters import PlatoonParameters, PotentialParameters
 from ..rollout import CROSS, STEP_P, STEP_R, share_rollouts
+from ..whole_file import whole_file
 from .engine import Engine
 from .errors import OfflineError
 from .parquet import Dataset
 from .ranking import choose_dictionary, dictionary_triples
 from .recipes import output_scaling, regrets
-from .whole_file import whole_file
 
 Array = NDArray[Any]
 

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..whole_file import read_arrays, write_whole
 from .errors import OfflineError
-from .whole_file import read_arrays, write_whole
 
 Array = NDArray[Any]
 Layers = list[tuple[Any, Any]]

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ..whole_file import write_whole
 from .by_number import by_number_dict, regret_markdown
 from .evaluate import Evaluation, as_markdown
-from .whole_file import write_whole
 
 _TEXT = """# {name}
 

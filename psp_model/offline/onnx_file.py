@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from .. import network
 from ..state import StartDomain
+from ..whole_file import write_whole
 from .engine import Problem
 from .structures import PerGap, Structure
-from .whole_file import write_whole
 
 _Ports = dict[str, list[str | int | None]]  # shapes by name
 Layers = Sequence[tuple[NDArray[Any], NDArray[Any]]]

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from ..parameters import ObjectiveWeights, PlatoonParameters
 from ..state import StartDomain
+from ..whole_file import whole_file
 from .engine import Problem
 from .errors import OfflineError
 from .plan import Plan
 from .search import EFFORTS, Grid, Search
-from .whole_file import whole_file
 
 Array = NDArray[Any]
 

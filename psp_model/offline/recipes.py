@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN
+from ..whole_file import whole_file
 from .cost_table import TableCost, blurred, regret_tables
 from .engine import Problem
 from .errors import OfflineError
@@ -22,7 +23,6 @@ from .mixture import Mixture
 from .parquet import Dataset
 from .slope_limit import SlopeLimit
 from .structures import Layered, PerGap, Structure
-from .whole_file import whole_file
 
 Array = NDArray[Any]
 Watch = Callable[[int, float, float], None]

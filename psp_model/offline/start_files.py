@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from ..errors import ModelError
 from ..parameters import PlatoonParameters
 from ..state import PlatoonState
+from ..whole_file import read_arrays, write_whole
 from .errors import OfflineError
-from .whole_file import read_arrays, write_whole
 
 Array = NDArray[Any]
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from string import Template
 
 from psp_model.network import ParameterNetwork
-from psp_model.offline.whole_file import write_whole
+from psp_model.whole_file import write_whole
 
 from ..cases import Case
 from . import tables
