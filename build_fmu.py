@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 
-from fmu_src.python_runtime import NetworkFile, build_python_fmu, networks_up_to
+from fmu_src.python.build import NetworkFile, build_python_fmu, networks_up_to
 from psp_model import ModelError
 
 MOST_VEHICLES = 10_000
@@ -94,7 +94,7 @@ def build(options: argparse.Namespace, networks: Mapping[int, NetworkFile]) -> P
         return build_native(options, networks)
     if options.component == "platoon":
         return build_python_fmu(options.vehicles, options.output, networks)
-    from fmu_src import traffic_runtime as traffic
+    from fmu_src.python import components as traffic
 
     makers: dict[str, Callable[[int, Path], Path]] = {
         "controller": partial(traffic.build_controller_fmu, networks=networks),

@@ -9,8 +9,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from psp_model.offline.dataset import make_dataset
-from psp_model.offline.engine import Problem
 from psp_model.offline.plan import Plan
+from psp_model.selection.search.engine import Problem
 
 from .registry import Context
 from .rounds import Row, interleave, row

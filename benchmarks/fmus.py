@@ -17,7 +17,7 @@ from pathlib import Path
 from fmpy import extract, read_model_description
 
 from build_fmu import main as build
-from fmu_src.native.compile import ENDINGS, FLAGS, FMI_HEADERS, compile_library, host_platform
+from fmu_src.toolchain.compile import ENDINGS, FLAGS, FMI_HEADERS, compile_library, host_platform
 
 from .worker import Worker
 

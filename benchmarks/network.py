@@ -9,7 +9,7 @@ from contextlib import ExitStack
 import numpy as np
 
 from psp_model import StartDomain
-from psp_model.network import INPUT, PARAMETERS, ParameterNetwork
+from psp_model.selection.network import INPUT, PARAMETERS, ParameterNetwork
 
 from .begin import beginner
 from .fmus import ROOT, fmu
@@ -65,7 +65,13 @@ def measure(context: Context) -> list[Row]:
     return [
         row("native FMU: network and projection", "n = 7", "onnxruntime, run", native, run, "µs", scale=1e6),
         row(
-            "psp_model.network, evaluate", "n = 7", "onnxruntime, run", found["ParameterNetwork"], run, "µs", scale=1e6
+            "psp_model.selection.network, evaluate",
+            "n = 7",
+            "onnxruntime, run",
+            found["ParameterNetwork"],
+            run,
+            "µs",
+            scale=1e6,
         ),
         row("Python FMU: network and projection", "n = 7", "onnxruntime, open and run", python, whole, "ms", scale=1e3),
     ]

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from psp_model import ObjectiveWeights, PlatoonState, Sampling, StartDomain
-from psp_model.network import ParameterNetwork
-from psp_model.rollout import best_by_rollout, share_rollouts
+from psp_model.selection.network import ParameterNetwork
+from psp_model.selection.rollout import best_by_rollout, share_rollouts
 
 COUNTS = (1, 2, 4, 8, 16, 32)
 REPEATS = 5

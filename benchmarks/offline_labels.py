@@ -14,11 +14,11 @@ from pathlib import Path
 import numpy as np
 
 from psp_model import StartDomain
-from psp_model.offline.engine import Engine, Problem
 from psp_model.offline.evaluate import projected
 from psp_model.offline.ipopt import LocalSolver
 from psp_model.offline.recipes import output_scaling
-from psp_model.offline.search import Search
+from psp_model.selection.search.engine import Engine, Problem
+from psp_model.selection.search.search import Search
 
 GUESS = (1e-3, 11.0, 5.5)
 

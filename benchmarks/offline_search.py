@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from psp_model import PlatoonParameters, PotentialParameters, StartDomain
-from psp_model.feasible import slope_within_limit
-from psp_model.offline.engine import Engine, Problem
-from psp_model.offline.search import Search
+from psp_model.selection.feasible import slope_within_limit
+from psp_model.selection.search.engine import Engine, Problem
+from psp_model.selection.search.search import Search
 
 ALPHAS = (1e-3, 1.5e-3, 2.5e-3, 5e-3, 1e-2)
 R = np.arange(6.0, 17.001, 0.05)

@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 
 from psp_model import PlatoonParameters, PotentialParameters, StartDomain, project
-from psp_model.offline.engine import Engine, Problem
 from psp_model.offline.ipopt import LocalSolver
-from psp_model.offline.search import Search
-from psp_model.offline.slope_limit import SlopeLimit
+from psp_model.selection.search.engine import Engine, Problem
+from psp_model.selection.search.search import Search
+from psp_model.selection.search.slope_limit import SlopeLimit
 
 
 def timed(work: Callable[[], Any]) -> tuple[Any, float, float]:

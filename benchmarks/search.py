@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from psp_model import StartDomain
-from psp_model.offline.engine import Engine, Problem
 from psp_model.offline.ipopt import LocalSolver
-from psp_model.offline.search import EFFORTS, Search
+from psp_model.selection.search.engine import Engine, Problem
+from psp_model.selection.search.search import EFFORTS, Search
 
 from .offline_search import brute_force, feasible_grid
 from .offline_speed import evolution, judged

@@ -17,7 +17,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 
 from psp_cli.options import network_file  # noqa: E402
 from psp_cli.settings import setup  # noqa: E402
-from psp_view.cases import comparison, run_case  # noqa: E402
+from psp_model.analysis.cases import comparison, run_case  # noqa: E402
 from psp_view.report import write_report  # noqa: E402
 from view.browser import browser  # noqa: E402
 

@@ -9,7 +9,7 @@ import typer
 from .options import Duration, Network, ScenarioFile, Seed, Set, Vehicles, gather, network_file
 
 if TYPE_CHECKING:
-    from psp_view.certificate import Certificate
+    from psp_model.analysis.certificate import Certificate
 
 
 def certify(
@@ -30,8 +30,8 @@ def certify(
     from dataclasses import replace
 
     from psp_model import Lemma1Policy
-    from psp_view.cases import run_case
-    from psp_view.certificate import largest_certified_period
+    from psp_model.analysis.cases import run_case
+    from psp_model.analysis.certificate import largest_certified_period
 
     from .settings import setup
 

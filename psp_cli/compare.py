@@ -10,7 +10,7 @@ import typer
 from .options import Duration, Network, ScenarioFile, Seed, Set, Vehicles, command_line, gather, network_file
 
 if TYPE_CHECKING:
-    from psp_view.cases import Case
+    from psp_model.analysis.cases import Case
 
     from .scenario import Scenario
 
@@ -29,7 +29,7 @@ def compare(
     V_old, V_new fixed, V_new from the network, and from the network with rollouts; a scenario file that names runs has
     those compared instead.
     """
-    from psp_view.cases import figures
+    from psp_model.analysis.cases import figures
 
     from .tables import figures_table
 
@@ -50,7 +50,7 @@ def cases_of(scenario: Scenario, network_path: Path | None) -> list[Case]:
     scenario : what to run
     network_path : a network of the user's own
     """
-    from psp_view.cases import comparison, run_case
+    from psp_model.analysis.cases import comparison, run_case
 
     from .settings import setup
 

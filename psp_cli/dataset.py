@@ -25,9 +25,9 @@ def dataset(
 ) -> None:
     """Draw starts from the training domain and solve them."""
     from psp_model.offline.dataset import make_dataset
-    from psp_model.offline.engine import Problem
     from psp_model.offline.plan import Plan
-    from psp_model.offline.search import EFFORTS
+    from psp_model.selection.search.engine import Problem
+    from psp_model.selection.search.search import EFFORTS
 
     from .progress import chunks_done
 

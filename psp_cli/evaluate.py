@@ -11,9 +11,9 @@ import typer
 from .bad_input import BadInput
 
 if TYPE_CHECKING:
-    from psp_model.network import ParameterNetwork
     from psp_model.offline.evaluate import Evaluation, Judge
     from psp_model.offline.parquet import Dataset
+    from psp_model.selection.network import ParameterNetwork
 
 
 def evaluate(
@@ -45,8 +45,8 @@ def evaluate(
 
 def _judge(data: Dataset, networks: list[Path], rollouts: tuple[int, ...], ipopt: int, several: bool) -> Evaluation:
     """Judge all networks on one data set; with several data sets, those that are for its number of vehicles."""
-    from psp_model.network import ParameterNetwork
     from psp_model.offline.evaluate import Judge
+    from psp_model.selection.network import ParameterNetwork
 
     judge = Judge(data)
     for path in networks:

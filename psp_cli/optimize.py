@@ -20,10 +20,10 @@ def optimize(
     """Find alpha, r, p with the least J for each start, over the whole feasible set."""
     import numpy as np
 
-    from psp_model.offline.engine import Problem
     from psp_model.offline.plan import solve_or_record
-    from psp_model.offline.search import EFFORTS, Search
     from psp_model.offline.start_files import read_starts, write_optima
+    from psp_model.selection.search.engine import Problem
+    from psp_model.selection.search.search import EFFORTS, Search
 
     from .progress import chunks_done
 

@@ -11,7 +11,7 @@ import typer
 from .bad_input import BadInput
 
 if TYPE_CHECKING:
-    from psp_model.network import ParameterNetwork
+    from psp_model.selection.network import ParameterNetwork
 
     from .scenario import Scenario
 
@@ -104,7 +104,7 @@ def network_file(vehicles: int, path: Path | None) -> ParameterNetwork | None:
     vehicles : n
     path : a network of the user's own
     """
-    from psp_model.network import network_path, open_network
+    from psp_model.selection.network import network_path, open_network
 
     path = path or network_path(vehicles, Path(__file__).parents[1] / "onnx")
     if path is None:

@@ -12,7 +12,7 @@ from .compare import cases_of
 from .options import Duration, Network, ScenarioFile, Seed, Set, Vehicles, command_line, gather, network_file
 
 if TYPE_CHECKING:
-    from psp_view.cases import Case
+    from psp_model.analysis.cases import Case
 
 
 def report(

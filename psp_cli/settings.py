@@ -10,7 +10,7 @@ from .bad_input import BadInput
 from .quantities import quantity
 
 if TYPE_CHECKING:
-    from psp_view.cases import Setup
+    from psp_model.analysis.cases import Setup
 
 
 def parameter_units(vehicles: int) -> dict[str, str]:
@@ -20,7 +20,7 @@ def parameter_units(vehicles: int) -> dict[str, str]:
     ----------
     vehicles : n
     """
-    from fmu_src.variables import platoon_table
+    from fmu_src.interface.variables import platoon_table
 
     fixed = {"n_start"}  # a command knows how many vehicles there are
     rows = platoon_table(vehicles)
@@ -82,10 +82,10 @@ def setup(values: Mapping[str, float], vehicles: int, has_network: bool = True) 
     ModelError : where a value is outside the model's domain
     BadInput : where a selector has no such choice
     """
-    from fmu_src.variables import platoon_table
+    from fmu_src.interface.variables import platoon_table
     from psp_model import Lemma1Policy, ObjectiveWeights, PlatoonParameters, PlatoonState, PotentialParameters, Sampling
-    from psp_model.choose import ParameterSource, Request
-    from psp_view.cases import Setup
+    from psp_model.analysis.cases import Setup
+    from psp_model.selection.choose import ParameterSource, Request
 
     table = platoon_table(vehicles, default_source=1 if has_network else 2)
     read = {row.name: row.start for row in table if row.start is not None} | dict(values)

@@ -74,7 +74,7 @@ def _with_step(scenario: Scenario, step: str) -> Scenario:
 
 def _show(runs: dict[str, Run], plot: Path | None) -> None:
     """Print the figures of the runs, and draw them where asked."""
-    from psp_view.figures_of_run import figures_of_run
+    from psp_model.analysis.figures import figures_of_run
 
     from .tables import figures_table
 

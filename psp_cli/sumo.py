@@ -12,7 +12,7 @@ import typer
 from .bad_input import BadInput
 
 if TYPE_CHECKING:
-    from psp_model.leader import Profile
+    from psp_model.vehicles.leader import Profile
     from psp_traffic.results import Results
 
 _STARTS, _SWEEP_STARTS = 5, 20
@@ -106,7 +106,7 @@ def _built(folder: Path, runtime: str) -> Path:
 
 
 def _leader(path: Path | None, names: Sequence[str]) -> Profile | None:
-    from psp_model.leader import read_profile
+    from psp_model.vehicles.leader import read_profile
     from psp_traffic.scenario import LONGEST
 
     if path is None:

@@ -1,12 +1,12 @@
 """The platoon model of Tzortzoglou et al. and everything computed with it; knows nothing of FMI."""
 
 from .errors import ModelError
-from .feasible import max_slope, project, require_feasible
-from .feedback import feedback
-from .lemma1 import largest_period
+from .law.feedback import feedback
+from .law.potential import potential, potential_slope
 from .parameters import BEST_FIXED, V_OLD, ObjectiveWeights, PlatoonParameters, PotentialParameters
 from .platoon import Lemma1Policy, SampledPlatoon, Sampling
-from .potential import potential, potential_slope
+from .sampling.lemma1 import largest_period
+from .selection.feasible import max_slope, project, require_feasible
 from .simulate import Run, simulate
 from .state import PlatoonState, StartDomain
 

@@ -9,14 +9,14 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from .choose import Request, choose_for_any_number
 from .errors import ModelError
-from .feasible import require_feasible
-from .feedback import feedback
-from .lemma1 import largest_period
-from .network import ParameterNetwork
+from .law.feedback import feedback
 from .parameters import V_OLD, ObjectiveWeights, PlatoonParameters, PotentialParameters
 from .platoon import Lemma1Policy, Sampling
+from .sampling.lemma1 import largest_period
+from .selection.choose import Request, choose_for_any_number
+from .selection.feasible import require_feasible
+from .selection.network import ParameterNetwork
 
 Vector = NDArray[np.float64]
 

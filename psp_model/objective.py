@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from .namespace import total
+from .namespaces import total
 from .parameters import ObjectiveWeights
 
 HORIZON = 20.0  # [s] t_f - t_0 (ours: the paper gives none)

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import ModelError
-from .feedback import feedback
-from .lemma1 import largest_period, violation
+from .law.feedback import feedback
 from .objective import running_cost
 from .parameters import ObjectiveWeights, PotentialParameters
-from .sampled_data import advance, travelled
+from .sampling.hold import advance, travelled
+from .sampling.lemma1 import largest_period, violation
 from .state import PlatoonState
 
 Vector = NDArray[np.float64]

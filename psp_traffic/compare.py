@@ -7,7 +7,7 @@ from dataclasses import asdict, fields, replace
 from functools import partial
 from pathlib import Path
 
-from psp_model.leader import Profile
+from psp_model.vehicles.leader import Profile
 
 from .driver import Driver, controllers, sumo_drivers
 from .measures import Measures, measure

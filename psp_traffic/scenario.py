@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from psp_model.leader import LeaderSpeed, Profile, Wave, read_profile
 from psp_model.state import StartDomain
+from psp_model.vehicles.leader import LeaderSpeed, Profile, Wave, read_profile
 
 LENGTH = 5.0  # [m] of every vehicle: fronts L = 5 m apart means bumper to bumper
 RAMP_END, LANE_END, ROAD_END = 1000.0, 2200.0, 130_000.0  # [m] the ramp joins, its lane ends, the road ends

@@ -13,10 +13,10 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from psp_model.analysis.cases import Case
 from psp_model.parameters import PlatoonParameters
 from psp_model.whole_file import whole_file
 
-from .cases import Case
 from .motion import moving_frame
 from .style import RC, colours, new_figure
 

@@ -10,11 +10,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from psp_model.feasible import slope_within_limit
 from psp_model.objective import HORIZON
 from psp_model.parameters import ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN, ObjectiveWeights, PotentialParameters
 from psp_model.platoon import Sampling
-from psp_model.rollout import rollout_costs
+from psp_model.selection.feasible import slope_within_limit
+from psp_model.selection.rollout import rollout_costs
 from psp_model.state import PlatoonState
 
 from .style import RC, caption, colours, new_figure

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from psp_model.parameters import PlatoonParameters
-from psp_model.sampled_data import relative
+from psp_model.sampling.hold import relative
 from psp_model.simulate import Run
 
 from .style import RC, caption, colours, new_figure

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 import matplotlib
 from matplotlib.figure import Figure
 
-from .certificate import Certificate
+from psp_model.analysis.certificate import Certificate
+
 from .style import LINE_STYLES, RC, caption, colours, new_figure
 
 

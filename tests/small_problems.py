@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from psp_model import StartDomain
-from psp_model.offline.engine import Problem
 from psp_model.offline.plan import Plan
-from psp_model.offline.search import EFFORTS, Effort
+from psp_model.selection.search.engine import Problem
+from psp_model.selection.search.search import EFFORTS, Effort
 
 TINY = Effort(r_step=0.5, levels=6, alphas=(), seeds=2, survivors=1, rounds=2, finalists=1, ridges=0)
 PLAN = Plan(11, 5, Problem(3, horizon=2.0), effort="tiny", chunk=2)

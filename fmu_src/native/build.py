@@ -7,15 +7,15 @@ from dataclasses import dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
 
-from ..controller_variables import controller_table
-from ..documentation import index_page
-from ..ecosystem import layered_standard, reference_results
-from ..model_description import Component, model_description
-from ..packing import content_digest, guid_of, write_fmu
-from ..python_runtime import NetworkFile, notes_on_networks
-from ..traffic_runtime import CONTROLLER
-from ..variables import Variable, platoon_table
-from .compile import ENDINGS, FMI_HEADERS, FRONT, SOURCES, compile_library, host_platform
+from ..interface.controller_variables import controller_table
+from ..interface.documentation import index_page
+from ..interface.model_description import Component, model_description
+from ..interface.variables import Variable, platoon_table
+from ..pack.archive import content_digest, guid_of, write_fmu
+from ..pack.ecosystem import layered_standard, reference_results
+from ..python.build import NetworkFile, notes_on_networks
+from ..python.components import CONTROLLER
+from ..toolchain.compile import ENDINGS, FMI_HEADERS, FRONT, SOURCES, compile_library, host_platform
 from .kernels import kernels_header
 from .tables import model_header, network_header
 

@@ -13,12 +13,12 @@ from typing import Any
 
 import casadi
 
-from psp_model.feasible import cell_bound
-from psp_model.feedback import command
-from psp_model.lemma1 import period_bounds
+from psp_model.law.feedback import command
+from psp_model.law.potential import on_hill, potential_slope
 from psp_model.objective import acceleration_cost, gap_cost
-from psp_model.potential import on_hill, potential_slope
-from psp_model.sampled_data import advance, gaps_after, travelled
+from psp_model.sampling.hold import advance, gaps_after, travelled
+from psp_model.sampling.lemma1 import period_bounds
+from psp_model.selection.feasible import cell_bound
 
 Symbols = Sequence[Any]
 

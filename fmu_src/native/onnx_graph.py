@@ -9,8 +9,8 @@ import numpy as np
 from onnx.helper import get_attribute_value
 
 from onnx import numpy_helper
-from psp_model.network import DICTIONARY, INPUT, ParameterNetwork
 from psp_model.offline.structures import CHANNELS, Layered, PerGap
+from psp_model.selection.network import DICTIONARY, INPUT, ParameterNetwork
 from psp_model.state import StartDomain
 
 

@@ -11,11 +11,11 @@ import numpy as np
 
 import onnx
 from psp_model.errors import SENTENCES
-from psp_model.network import DICTIONARY, PARAMETERS, SCORES
 from psp_model.parameters import ALPHA_MAX, ALPHA_MIN, P_MAX, P_MIN
+from psp_model.selection.network import DICTIONARY, PARAMETERS, SCORES
 
-from ..python_runtime import NetworkFile
-from ..variables import Variable
+from ..interface.variables import Variable
+from ..python.build import NetworkFile
 from .onnx_graph import Chain, Layer, candidates, chain_to, require_same
 
 

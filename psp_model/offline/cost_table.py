@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..parameters import P_MIN
-from .search import Grid
-from .slope_limit import SlopeLimit
+from ..selection.search.search import Grid
+from ..selection.search.slope_limit import SlopeLimit
 
 Array = NDArray[Any]
 

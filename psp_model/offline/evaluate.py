@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..feasible import project
-from ..network import ParameterNetwork
 from ..parameters import PlatoonParameters, PotentialParameters
-from ..rollout import CROSS, STEP_P, STEP_R, share_rollouts
+from ..selection.feasible import project
+from ..selection.network import ParameterNetwork
+from ..selection.rollout import CROSS, STEP_P, STEP_R, share_rollouts
+from ..selection.search.engine import Engine
 from ..whole_file import whole_file
-from .engine import Engine
 from .errors import OfflineError
 from .parquet import Dataset
 from .ranking import choose_dictionary, dictionary_triples

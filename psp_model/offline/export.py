@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..network import GAPS, INPUT, PARAMETERS, SCORES, SPEEDS
+from ..selection.network import GAPS, INPUT, PARAMETERS, SCORES, SPEEDS
 from .errors import OfflineError
 from .mixture import Mixture
 from .recipes import Trained, output_scaling

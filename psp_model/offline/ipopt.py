@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..feedback import feedback
+from ..law.feedback import feedback
+from ..law.potential import potential_slope
 from ..objective import running_cost
 from ..parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN
-from ..potential import potential_slope
-from ..sampled_data import advance
-from .engine import Problem, _Shape
+from ..sampling.hold import advance
+from ..selection.search.engine import Problem, _Shape
 
 Array = NDArray[Any]
 

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..selection.search.engine import Problem
+from ..selection.search.search import Grid
 from ..state import StartDomain
-from .engine import Problem
 from .errors import OfflineError
 from .parquet import Dataset
-from .search import Grid
 from .structures import Structure
 
 Array = NDArray[Any]

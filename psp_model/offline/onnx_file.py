@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import network
+from ..selection import network
+from ..selection.search.engine import Problem
 from ..state import StartDomain
 from ..whole_file import write_whole
-from .engine import Problem
 from .structures import PerGap, Structure
 
 _Ports = dict[str, list[str | int | None]]  # shapes by name
@@ -72,7 +72,7 @@ def write_network(
     dictionary: Any = None,
     structure: Structure | None = None,
 ) -> None:
-    """Write the file that `psp_model.network` reads.
+    """Write the file that `psp_model.selection.network` reads.
 
     Parameters
     ----------

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..parameters import ObjectiveWeights, PlatoonParameters
+from ..selection.search.engine import Problem
+from ..selection.search.search import EFFORTS, Grid, Search
 from ..state import StartDomain
 from ..whole_file import whole_file
-from .engine import Problem
 from .errors import OfflineError
 from .plan import Plan
-from .search import EFFORTS, Grid, Search
 
 Array = NDArray[Any]
 

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ModelError
+from ..selection.search.engine import Problem
+from ..selection.search.search import EFFORTS, Search
 from ..state import StartDomain
-from .engine import Problem
-from .search import EFFORTS, Search
 
 Array = NDArray[Any]
 

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..feasible import project
 from ..parameters import PotentialParameters
+from ..selection.feasible import project
+from ..selection.search.slope_limit import SlopeLimit
 from .fit import Layers, Schedule
 from .mixture import Mixture
 from .parquet import Dataset
 from .recipes import Trained, Watch, fitted, regrets
-from .slope_limit import SlopeLimit
 from .structures import Structure
 
 Array = NDArray[Any]

@@ -14,14 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN
+from ..selection.search.engine import Problem
+from ..selection.search.slope_limit import SlopeLimit
 from ..whole_file import whole_file
 from .cost_table import TableCost, blurred, regret_tables
-from .engine import Problem
 from .errors import OfflineError
 from .fit import Fit, Layers, Schedule, fit
 from .mixture import Mixture
 from .parquet import Dataset
-from .slope_limit import SlopeLimit
 from .structures import Layered, PerGap, Structure
 
 Array = NDArray[Any]

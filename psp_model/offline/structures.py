@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..namespace import array_namespace
+from ..namespaces import array_namespace
 from ..state import StartDomain
 from .fit import Layers, apply, hidden_layers, initial_layers
 

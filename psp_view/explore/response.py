@@ -8,14 +8,14 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from psp_model.analysis.figures import Figure, figures_of_run
 from psp_model.errors import ModelError
-from psp_model.feasible import max_slope, project, require_feasible
 from psp_model.parameters import HILL_WIDTH, P_MAX, P_MIN, V_OLD, PlatoonParameters, PotentialParameters
 from psp_model.platoon import Lemma1Policy, Sampling
+from psp_model.selection.feasible import max_slope, project, require_feasible
 from psp_model.simulate import Run, simulate
 from psp_model.state import PlatoonState
 
-from ..figures_of_run import Figure, figures_of_run
 from ..potentials import Curve, curve
 
 

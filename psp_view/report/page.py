@@ -11,10 +11,10 @@ from importlib.resources import files
 from pathlib import Path
 from string import Template
 
-from psp_model.network import ParameterNetwork
+from psp_model.analysis.cases import Case
+from psp_model.selection.network import ParameterNetwork
 from psp_model.whole_file import write_whole
 
-from ..cases import Case
 from . import tables
 from .payload import payload
 from .provenance import hashes, network_hash, versions

@@ -10,9 +10,9 @@ from matplotlib import colormaps
 from matplotlib.colors import to_hex
 from numpy.typing import NDArray
 
+from psp_model.analysis.cases import Case
 from psp_model.simulate import Run
 
-from ..cases import Case
 from ..motion import moving_frame
 from ..potentials import curve
 from ..style import OKABE_ITO, colours

@@ -14,10 +14,9 @@ from pathlib import Path
 import numpy as np
 
 import psp_model
-from psp_model.network import ParameterNetwork
+from psp_model.analysis.cases import Case
 from psp_model.parameters import ObjectiveWeights, PlatoonParameters
-
-from ..cases import Case
+from psp_model.selection.network import ParameterNetwork
 
 SOURCES = {name: "paper, section V" for name in ("L", "lam", "v_star", "v_max", "epsilon", "mu", "z", "w1", "w2")}
 SOURCES |= {"a_ref": "ours: equal to z", "s_ref": "ours: equal to lambda"}

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
-from ..cases import Case, figures
-from ..certificate import largest_certified_period
+from psp_model.analysis.cases import Case, figures
+from psp_model.analysis.certificate import largest_certified_period
+
 from .provenance import constants_table
 
 _MOST_STRETCHES = 4  # stretches of uncertified instants that are listed

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from fmu_src.native import build
-from fmu_src.native.compile import FMI_HEADERS, host_platform
+from fmu_src.toolchain.compile import FMI_HEADERS, host_platform
 
 FOLDER = Path(os.environ["PSP_COVERAGE"])
 FLAGS = ["-std=c11", "-O1", "-g", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off"]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from fmu_src.python_runtime import build_python_fmu
+from fmu_src.python.build import build_python_fmu
 from harness import ERROR, OK, Instance, Unpacked
 
 FIXED = {"parameter_source": 2}

@@ -8,7 +8,7 @@ import numpy as np
 
 from harness import OK, run
 from psp_model import PlatoonParameters, project
-from psp_model.network import ParameterNetwork
+from psp_model.selection.network import ParameterNetwork
 
 
 def test_instances_of_one_fmu_are_independent(instances):

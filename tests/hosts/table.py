@@ -16,10 +16,10 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from build_fmu import main as build
-from fmu_src.python_runtime import networks_up_to
-from fmu_src.variables import platoon_table
+from fmu_src.interface.variables import platoon_table
+from fmu_src.python.build import networks_up_to
 from psp_model import PlatoonState, project, simulate
-from psp_model.network import ParameterNetwork
+from psp_model.selection.network import ParameterNetwork
 
 HERE = Path(__file__).parent
 HOSTS = {  # driver: (name in the table, packages of its environment)

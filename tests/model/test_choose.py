@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from psp_model import BEST_FIXED, ModelError, PlatoonState
-from psp_model.choose import ParameterSource, Request, choose_for_any_number, choose_potential
-from psp_model.network import ParameterNetwork
 from psp_model.parameters import ObjectiveWeights, PlatoonParameters
 from psp_model.platoon import Sampling
+from psp_model.selection.choose import ParameterSource, Request, choose_for_any_number, choose_potential
+from psp_model.selection.network import ParameterNetwork
 
 ONNX = Path(__file__).parents[2] / "onnx"
 HOW = (ObjectiveWeights(), Sampling())

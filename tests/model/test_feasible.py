@@ -21,9 +21,9 @@ from psp_model import (
     project,
     require_feasible,
 )
-from psp_model.feasible import SLOPE_ERROR, cell_bound
+from psp_model.law.potential import potential_slope
 from psp_model.parameters import ALPHA_MAX, ALPHA_MIN, P_MAX, P_MIN
-from psp_model.potential import potential_slope
+from psp_model.selection.feasible import SLOPE_ERROR, cell_bound
 from strategies import CONSTANTS, any_triple, feasible_triple
 
 GOLDEN = (5**0.5 - 1) / 2

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 import reference
 from psp_model import V_OLD, PlatoonParameters, PotentialParameters
-from psp_model.feedback import command, f, g, gain, repulsion
-from psp_model.potential import potential_slope
+from psp_model.law.feedback import command, f, g, gain, repulsion
+from psp_model.law.potential import potential_slope
 from strategies import CONSTANTS, Vector, omega, shapes
 
 OTHERS = PlatoonParameters(L=4.0, lam=18.0, v_star=20.0, v_max=28.0, epsilon=0.7, mu=0.8)

@@ -20,9 +20,9 @@ from psp_model import (
     largest_period,
     simulate,
 )
-from psp_model.feedback import feedback
-from psp_model.lemma1 import violation
-from psp_model.sampled_data import advance
+from psp_model.law.feedback import feedback
+from psp_model.sampling.hold import advance
+from psp_model.sampling.lemma1 import violation
 from strategies import CONSTANTS, Vector, paper_start
 
 L, V_MAX = CONSTANTS.L, CONSTANTS.v_max

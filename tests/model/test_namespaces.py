@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from psp_model import V_OLD, ObjectiveWeights, feedback, largest_period, potential, potential_slope
-from psp_model.feedback import f, g, gain, repulsion
-from psp_model.lemma1 import period_bounds
+from psp_model.law.feedback import f, g, gain, repulsion
 from psp_model.objective import running_cost
-from psp_model.sampled_data import advance, travelled
+from psp_model.sampling.hold import advance, travelled
+from psp_model.sampling.lemma1 import period_bounds
 from strategies import CONSTANTS, feasible_triple
 
 TAU = 0.007  # [s]

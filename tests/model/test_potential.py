@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import reference
 from psp_model import BEST_FIXED, V_OLD, PotentialParameters, potential, potential_slope
-from psp_model.potential import on_hill
+from psp_model.law.potential import on_hill
 from strategies import CONSTANTS, any_triple, feasible_triple
 
 SHAPES = [V_OLD, BEST_FIXED, PotentialParameters(1e-2, 9.0, 3.0), PotentialParameters(1e-1, 17.0, 6.5)]

@@ -23,9 +23,9 @@ from psp_model import (
     SampledPlatoon,
     Sampling,
 )
-from psp_model.feedback import feedback
-from psp_model.lemma1 import largest_period
+from psp_model.law.feedback import feedback
 from psp_model.platoon import MOST_PERIODS, TIME_TOLERANCE, Instant, Observation, locate
+from psp_model.sampling.lemma1 import largest_period
 from strategies import CONSTANTS, paper_start
 
 T = 0.01  # [s]

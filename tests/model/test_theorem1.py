@@ -25,7 +25,7 @@ from psp_model import (
     potential_slope,
     simulate,
 )
-from psp_model.feedback import f, gain, repulsion
+from psp_model.law.feedback import f, gain, repulsion
 from psp_model.platoon import Instant
 from strategies import CONSTANTS, Vector, feasible_triple, omega, paper_start, shapes
 

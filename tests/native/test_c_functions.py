@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from fmu_src.native import build
-from fmu_src.native.compile import host_platform
+from fmu_src.toolchain.compile import host_platform
 from psp_model import ModelError, PlatoonParameters, PotentialParameters, max_slope, project, require_feasible
 
 EXPORTS = b"""

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from fmpy.ssp.simulation import simulate_ssp
 
-from fmu_src.ecosystem import LS_REF, SCENARIOS, main
+from fmu_src.pack.ecosystem import LS_REF, SCENARIOS, main
 from harness import OK, Instance
 
 NAMES = ["x[7]", "v[1]", "s[2]", "T_max", "J"]

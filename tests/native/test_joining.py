@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from fmu_src.native.build import build_native_fmu, native_platoon
-from fmu_src.python_runtime import build_python_fmu, networks_up_to
+from fmu_src.python.build import build_python_fmu, networks_up_to
 from harness import ERROR, OK, WARNING, Instance, Unpacked, random_start, starts
 from psp_model import BEST_FIXED, PlatoonParameters, PlatoonState, Sampling, project, simulate
-from psp_model.network import read_networks
+from psp_model.selection.network import read_networks
 
 ONNX = Path(__file__).parents[2] / "onnx"
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from fmu_src.launcher.build import PLATFORMS, launcher, path_of
+from fmu_src.python.launcher.build import PLATFORMS, launcher, path_of
 from harness import DISCARD, ERROR, FATAL, OK, WARNING, Instance, Unpacked
 from native.hosting import host_arguments
 

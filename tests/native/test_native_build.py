@@ -14,7 +14,7 @@ from zipfile import ZipFile
 import pytest
 
 from build_fmu import main as build
-from fmu_src.native.compile import compile_library
+from fmu_src.toolchain.compile import compile_library
 from harness import OK, Instance, Unpacked
 from native.fuzz import run as fuzzing
 from native.hosting import host_arguments
@@ -162,7 +162,7 @@ def test_the_windows_library_gives_the_same_numbers_under_wine(
 
 def compile_executable(source: bytes, folder: Path) -> Path:
     """The C host for Windows."""
-    from fmu_src.native.compile import FMI_HEADERS
+    from fmu_src.toolchain.compile import FMI_HEADERS
 
     (folder / "host.c").write_bytes(source)
     host = folder / "host.exe"

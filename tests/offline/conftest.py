@@ -7,8 +7,8 @@ import pytest
 pytest.importorskip("casadi")
 pytest.importorskip("ziglang")
 
-from psp_model.offline import search
 from psp_model.offline.plan import Plan
+from psp_model.selection.search import search
 from small_problems import PLAN, TINY
 
 

@@ -11,21 +11,11 @@ import pytest
 from typer.testing import CliRunner
 
 import onnx
-from fmu_src.python_runtime import networks_up_to
+from fmu_src.python.build import networks_up_to
 from onnx import numpy_helper
 from psp_cli.main import app
-from psp_model import (
-    BEST_FIXED,
-    ModelError,
-    ObjectiveWeights,
-    PlatoonState,
-    Sampling,
-    StartDomain,
-    project,
-)
-from psp_model.network import ParameterNetwork, network_path, read_networks
+from psp_model import BEST_FIXED, ModelError, ObjectiveWeights, PlatoonState, Sampling, StartDomain, project
 from psp_model.offline.dataset import make_dataset
-from psp_model.offline.engine import Problem
 from psp_model.offline.errors import OfflineError
 from psp_model.offline.export import check_export
 from psp_model.offline.fit import Schedule
@@ -34,9 +24,11 @@ from psp_model.offline.onnx_file import Provenance, write_network
 from psp_model.offline.parquet import Dataset, read_dataset
 from psp_model.offline.ranking import train_ranking
 from psp_model.offline.recipes import RECIPES, Trained, train
-from psp_model.offline.search import EFFORTS
 from psp_model.offline.structures import PerGap
-from psp_model.rollout import rollout_costs
+from psp_model.selection.network import ParameterNetwork, network_path, read_networks
+from psp_model.selection.rollout import rollout_costs
+from psp_model.selection.search.engine import Problem
+from psp_model.selection.search.search import EFFORTS
 from small_problems import PLAN, TINY, draw
 
 ONNX = Path(__file__).parents[2] / "onnx"

@@ -21,7 +21,7 @@ from psp_model.offline.dataset import make_dataset
 from psp_model.offline.errors import OfflineError
 from psp_model.offline.parquet import read_dataset
 from psp_model.offline.plan import Plan, solve_or_record
-from psp_model.offline.search import Search
+from psp_model.selection.search.search import Search
 from small_problems import TINY, teach_tiny
 
 RUN = """

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from psp_model import PlatoonState, PotentialParameters, simulate
-from psp_model.offline.engine import Engine, Problem
+from psp_model.selection.search.engine import Engine, Problem
 from small_problems import draw
 
 TRIPLES = np.array([[1e-3, 11.0, 5.5], [2e-3, 8.0, 3.2], [1e-3, 13.7, 6.6]])

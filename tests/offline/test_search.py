@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from psp_model import PlatoonParameters, PotentialParameters, max_slope, require_feasible
-from psp_model.feasible import slope_within_limit
-from psp_model.offline.engine import Engine, Problem
-from psp_model.offline.search import Search, Solutions
-from psp_model.offline.slope_limit import SlopeLimit
+from psp_model.selection.feasible import slope_within_limit
+from psp_model.selection.search.engine import Engine, Problem
+from psp_model.selection.search.search import Search, Solutions
+from psp_model.selection.search.slope_limit import SlopeLimit
 from small_problems import draw
 
 CONSTANTS = PlatoonParameters()

@@ -11,8 +11,6 @@ import numpy as np
 import pytest
 
 from psp_model import PlatoonState, PotentialParameters, StartDomain, simulate
-from psp_model.choose import ParameterSource, Request, choose_potential
-from psp_model.network import ParameterNetwork
 from psp_model.offline.cost_table import TableCost, regret_tables
 from psp_model.offline.dataset import make_dataset
 from psp_model.offline.errors import OfflineError
@@ -24,11 +22,13 @@ from psp_model.offline.onnx_file import Provenance, write_network
 from psp_model.offline.parquet import Dataset, read_dataset
 from psp_model.offline.ranking import choose_dictionary, train_ranking
 from psp_model.offline.recipes import RECIPES, Trained, split, train
-from psp_model.offline.search import EFFORTS
-from psp_model.offline.slope_limit import SlopeLimit
 from psp_model.offline.structures import fold_scaling
 from psp_model.parameters import ObjectiveWeights
 from psp_model.platoon import Sampling
+from psp_model.selection.choose import ParameterSource, Request, choose_potential
+from psp_model.selection.network import ParameterNetwork
+from psp_model.selection.search.search import EFFORTS
+from psp_model.selection.search.slope_limit import SlopeLimit
 from small_problems import PLAN, TINY, draw
 
 QUICK = Schedule(3e-3, True, 5, 16, 5)

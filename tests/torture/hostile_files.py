@@ -80,7 +80,7 @@ def _parquet(chunk: Chunk) -> bytes:
     from dataclasses import replace
 
     from psp_model.offline.dataset import make_dataset
-    from psp_model.offline.search import EFFORTS
+    from psp_model.selection.search.search import EFFORTS
     from small_problems import PLAN, TINY
 
     EFFORTS["tiny"] = TINY

@@ -197,7 +197,7 @@ class Stage:
 def _given(chunk: Chunk) -> dict[str, Path]:
     """What the commands are given: an FMU, and a small data set."""
     from psp_model.offline.dataset import make_dataset
-    from psp_model.offline.search import EFFORTS
+    from psp_model.selection.search.search import EFFORTS
     from small_problems import PLAN, TINY
 
     from . import fmus

@@ -11,9 +11,9 @@ from fractions import Fraction
 import numpy as np
 
 from psp_model import BEST_FIXED, V_OLD, PlatoonParameters, StartDomain
-from psp_model.feedback import feedback
-from psp_model.lemma1 import largest_period
-from psp_model.sampled_data import advance
+from psp_model.law.feedback import feedback
+from psp_model.sampling.hold import advance
+from psp_model.sampling.lemma1 import largest_period
 
 from .starts import Array, Lanes, draw
 from .trial import Chunk, Outcome

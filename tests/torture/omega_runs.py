@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from fmu_src.native.build import native_platoon
-from fmu_src.native.compile import FMI_HEADERS
+from fmu_src.toolchain.compile import FMI_HEADERS
 from psp_model import Lemma1Policy, PlatoonParameters, PlatoonState, PotentialParameters, SampledPlatoon, Sampling
 
 from .starts import Array, Lanes, draw

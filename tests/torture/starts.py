@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from psp_model.law.potential import potential_slope
 from psp_model.parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN
-from psp_model.potential import potential_slope
 
 Array = NDArray[np.float64]
 

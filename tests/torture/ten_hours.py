@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from psp_model import BEST_FIXED, PlatoonParameters
-from psp_model.feedback import feedback
-from psp_model.sampled_data import advance, travelled
+from psp_model.law.feedback import feedback
+from psp_model.sampling.hold import advance, travelled
 
 from .fmus import PLATOONS, Build, unpacked
 from .many_instances import resident

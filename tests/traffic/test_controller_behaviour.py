@@ -10,7 +10,7 @@ import pytest
 
 from harness import ERROR, OK, WARNING, random_start
 from psp_model import BEST_FIXED, PlatoonParameters, feedback, project
-from psp_model.network import ParameterNetwork
+from psp_model.selection.network import ParameterNetwork
 
 T, N = 0.01, 7
 FIXED = {"parameter_source": 2}

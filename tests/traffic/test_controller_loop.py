@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fmu_src.ssp import write_loop
+from fmu_src.pack.ssp import write_loop
 from harness import ERROR, OK, random_start, starts
 
 T, N = 0.01, 7

@@ -7,18 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from psp_model import (
-    BEST_FIXED,
-    Lemma1Policy,
-    ModelError,
-    PlatoonParameters,
-    PlatoonState,
-    Sampling,
-    simulate,
-)
-from psp_model.choose import ParameterSource, Request
+from psp_model import BEST_FIXED, Lemma1Policy, ModelError, PlatoonParameters, PlatoonState, Sampling, simulate
 from psp_model.controller import ControllerSettings, Measurement, SampledController
-from psp_model.plant import IdealPlant
+from psp_model.selection.choose import ParameterSource, Request
+from psp_model.vehicles.ideal import IdealPlant
 from strategies import paper_start
 
 T = 0.01

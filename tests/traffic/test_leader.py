@@ -8,7 +8,7 @@ import pytest
 from build_fmu import main as build
 from harness import ERROR, OK, Unpacked
 from psp_model import ModelError
-from psp_model.leader import Profile, read_profile
+from psp_model.vehicles.leader import Profile, read_profile
 from psp_traffic.scenario import WLTC_HIGH
 
 TIMES, SPEEDS = [0.0, 2.0, 3.0, 7.0], [10.0, 12.0, 4.0, 34.0]

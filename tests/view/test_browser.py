@@ -17,7 +17,7 @@ import pytest
 
 from psp_cli.settings import setup
 from psp_model import BEST_FIXED, PlatoonState, PotentialParameters, StartDomain, simulate
-from psp_view.cases import comparison, figures, run_case
+from psp_model.analysis.cases import comparison, figures, run_case
 from psp_view.report import write_report
 from view.browser import CHROMIUM, DRIVER, browser, errors, resize, set_dark
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from psp_model import BEST_FIXED, V_OLD, Lemma1Policy, ModelError, PlatoonState, Sampling, StartDomain, simulate
-from psp_view.certificate import KINDS, certify, holds_throughout, largest_certified_period
+from psp_model.analysis.certificate import KINDS, certify, holds_throughout, largest_certified_period
 
 
 def start(seed: int) -> PlatoonState:

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from typer.main import get_command
 
-from fmu_src.variables import platoon_table
+from fmu_src.interface.variables import platoon_table
 from psp_cli.main import app
 from psp_cli.scenario import read_scenario
 from psp_model.errors import SENTENCES

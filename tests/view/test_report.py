@@ -16,7 +16,7 @@ from PIL import Image
 
 from psp_cli.options import network_file
 from psp_cli.settings import setup
-from psp_view.cases import comparison, figures, run_case
+from psp_model.analysis.cases import comparison, figures, run_case
 from psp_view.film import FilmError, bodies, frame_times, write_film, writer_for
 from psp_view.report import report_html
 from psp_view.report.thin import kept, rounded

@@ -1,4 +1,4 @@
-/* The potential for a start: mirrors psp_model/choose.py and rollout.py. */
+/* The potential for a start: mirrors psp_model/selection/choose.py and rollout.py. */
 #include "vehicles.h"
 
 #include <math.h>
@@ -48,7 +48,7 @@ static bool try_rollout(Search *search, Shape *tried)
     return true;
 }
 
-/* psp_model/rollout.py: the least J of the candidates, the first of equals, the first if none is certified; then
+/* psp_model/selection/rollout.py: the least J of the candidates, the first of equals, the first if none is certified; then
  * rounds of refinement by r + h, r - h, p + k, p - k around the best, with steps that are halved. */
 static bool best_by_rollout(Search *search, Shape *candidates)
 {

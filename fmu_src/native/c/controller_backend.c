@@ -2,7 +2,7 @@
  *
  * At a communication point that is one, the command is computed from the inputs set there: when the outputs are read after
  * inputs were set, at the latest when the next step begins.  Instants inside a communication step use the inputs from its
- * beginning.  Mirrors fmu_src/controller_slave.py. */
+ * beginning.  Mirrors fmu_src/python/controller_slave.py. */
 #include <math.h>
 #include <string.h>
 

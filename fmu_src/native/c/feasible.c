@@ -1,4 +1,4 @@
-/* The feasible set of (alpha, r, p), and the way into it: mirrors psp_model/feasible.py. */
+/* The feasible set of (alpha, r, p), and the way into it: mirrors psp_model/selection/feasible.py. */
 #include "vehicles.h"
 
 #include <math.h>

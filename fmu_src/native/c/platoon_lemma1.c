@@ -1,4 +1,4 @@
-/* Who keeps T from being certified: mirrors psp_model/lemma1.py. */
+/* Who keeps T from being certified: mirrors psp_model/sampling/lemma1.py. */
 #include "platoon.h"
 
 #include <math.h>

@@ -29,7 +29,7 @@ typedef struct {
     double s[PSP_N - 1], v[PSP_N], a[PSP_N];
 } Instant;
 
-/* For whom a potential is wanted, and how it is to be chosen (psp_model/choose.py). */
+/* For whom a potential is wanted, and how it is to be chosen (psp_model/selection/choose.py). */
 typedef struct {
     int n;               /* vehicles, 1 to PSP_N */
     const double *s, *v; /* gaps and speeds, leader first */

@@ -1,0 +1,1 @@
+"""The tables of FMI variables, and what is generated from them."""

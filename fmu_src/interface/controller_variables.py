@@ -1,0 +1,154 @@
+"""The tables of FMI variables of `PspController`, of `PspPlant`, vehicles to try it on, and of `PspLeader`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from psp_model.controller import NO_LIMIT, ControllerSettings
+from psp_model.vehicles.leader import Wave
+
+from .variables import Variable, platoon_table
+
+_OF_THE_PLATOON = ("T", "L", "lambda", "v_star", "v_max", "epsilon", "mu", "z", "w1", "w2", "a_ref", "s_ref")
+_CHOICES = ("potential", "parameter_source", "rollout_count")  # Integer: these stand together, as the native FMU has it
+_FALLBACK = ("rollout_horizon", "alpha_fixed", "r_fixed", "p_fixed")
+_NOTHING: tuple[str, ...] = ()
+
+
+def _parameters(rows: dict[str, Variable]) -> Iterator[Variable]:
+    yield from (rows[name] for name in (*_OF_THE_PLATOON, *_CHOICES))
+    text = "At a sampling instant with T >= T_max; 1: error, 2: warn and count"
+    yield replace(rows["lemma1_policy"], description=text, maximum=2)
+    text = "What inputs that are stale, not finite or outside the state space lead to; 1: error, 2: the safe action"
+    yield Variable("bad_input", text, start=1, minimum=1, maximum=2, integer=True)
+    yield from (rows[name] for name in _FALLBACK)
+    text = f"Least commanded acceleration, below 0; {-NO_LIMIT:g} stands for none"
+    yield Variable("a_min", text, "m/s2", -NO_LIMIT, maximum=0, nominal=5)
+    text = f"Greatest commanded acceleration, above 0; {NO_LIMIT:g} stands for none"
+    yield Variable("a_max", text, "m/s2", NO_LIMIT, 0, nominal=5)
+    text = "Command of the safe action, until standstill; from a_min to 0"
+    yield Variable("a_safe", text, "m/s2", ControllerSettings.a_safe, maximum=0, nominal=2)
+    text = "Inputs older than this are stale, above 0"
+    yield Variable("max_age", text, "s", ControllerSettings.max_age, 0, nominal=1)
+    text = "Time of the first sampling instant after the start, from 0 to below T"
+    yield Variable("phase", text, "s", 0.0, 0, nominal=0.01)
+
+
+def _measured(n: int, rows: dict[str, Variable]) -> Iterator[Variable]:
+    for i in range(2, n + 1):
+        start, text = rows[f"s_start[{i}]"].start, f"Measured gap between vehicle {i - 1} and vehicle {i}, above L"
+        yield Variable(f"s[{i}]", text, "m", start, nominal=10, input=True, continuous=True)
+    for i in range(1, n + 1):
+        start, text = rows[f"v_start[{i}]"].start, f"Measured speed of vehicle {i}, from 0 to v_max"
+        yield Variable(f"v[{i}]", text, "m/s", start, nominal=30, input=True, continuous=True)
+    text = f"How many vehicles there are, 1 to {n}, a whole number; alpha, r, p are chosen anew where it changes"
+    yield Variable("n_active", text, "1", float(n), 1, n, input=True)
+    text = "alpha, r, p are chosen anew where this rises above 0.5"
+    yield Variable("resolve", text, "1", 0.0, 0, 1, input=True)
+    text = "Desired cruising speed from now on, above 0 and below v_max; v_star if below 0"
+    yield Variable("v_desired", text, "m/s", -1.0, nominal=30, input=True)
+    text = "Time at which gaps and speeds were measured; if below 0, that is when they were last set"
+    yield Variable("t_measured", text, "s", -1.0, nominal=100, input=True, continuous=True)
+
+
+def _decided(n: int, known: tuple[str, ...]) -> Iterator[Variable]:
+    for i in range(1, n + 1):
+        text = f"Acceleration of vehicle {i}, commanded at the last sampling instant and held since"
+        yield Variable(f"a[{i}]", text, "m/s2", nominal=1, dependencies=known)
+    for i in range(1, n + 1):
+        text = (
+            f"1 if a_min or a_max cut the command of vehicle {i}, which Lemma 1's argument then does not cover, else 0"
+        )
+        yield Variable(f"saturated[{i}]", text, minimum=0, maximum=1, dependencies=known)
+    yield Variable("alpha", "Scale of the potential in use; 1 with V_old", nominal=1e-3, dependencies=known)
+    text = "Where the hill of the potential in use begins; 0 with V_old, which has none"
+    yield Variable("r", text, "m", nominal=10, dependencies=known)
+    text = "Exponent of the hill in use; 0 with V_old, which has none"
+    yield Variable("p", text, nominal=5, dependencies=known)
+    text = "1 if alpha, r, p come from a network whose training domain holds the vehicles they were chosen for, else 0"
+    yield Variable("network_in_domain", text, minimum=0, maximum=1, dependencies=known)
+    text = "Lemma 1 at the last sampling instant: T is certified if it is below this; 0 with the safe action"
+    yield Variable("T_max", text, "s", nominal=0.1, dependencies=known)
+    text = "1 if T is below T_max at the last sampling instant, else 0"
+    yield Variable("lemma1_ok", text, minimum=0, maximum=1, dependencies=known)
+    text = "Sampling instants so far at which T was not below T_max, the safe action aside"
+    yield Variable("lemma1_violations", text, minimum=0, dependencies=known)
+    text = "1 if the inputs were in order at the last sampling instant, 0 if the safe action is commanded"
+    yield Variable("input_ok", text, minimum=0, maximum=1, dependencies=known)
+    yield Variable("input_faults", "Sampling instants so far with the safe action", minimum=0, dependencies=known)
+    yield Variable("choices", "How often alpha, r, p were chosen", minimum=0, dependencies=known)
+
+
+def controller_table(capacity: int, default_source: int = 2) -> tuple[Variable, ...]:
+    """The variables of `PspController`: parameters, inputs, outputs.
+
+    Parameters
+    ----------
+    capacity : most vehicles N, at least 2
+    default_source : start value of parameter_source; 1 where there are networks
+
+    Returns
+    -------
+    tuple of Variable (ours)
+    """
+    rows = {row.name: row for row in platoon_table(capacity, default_source)}
+    measured = tuple(_measured(capacity, rows))
+    known = tuple(row.name for row in measured)
+    return (*_parameters(rows), *measured, *_decided(capacity, known))
+
+
+def plant_table(vehicles: int) -> tuple[Variable, ...]:
+    """The variables of `PspPlant`: ideal vehicles on one lane.
+
+    Parameters
+    ----------
+    vehicles : n, at least 2
+
+    Returns
+    -------
+    tuple of Variable (ours)
+    """
+    rows = {row.name: row for row in platoon_table(vehicles)}
+    text = "Length of the periods over which an acceleration counts, above 0: the controller's sampling period"
+    parameters = [replace(rows["T"], description=text)]
+    parameters += [row for name, row in rows.items() if name == "x_start" or "_start[" in name]
+    text = "Acceleration of vehicle {}: the last one that is set within a period counts for all of it"
+    accelerations = [
+        Variable(f"a[{i}]", text.format(i), "m/s2", 0.0, nominal=1, input=True) for i in range(1, vehicles + 1)
+    ]
+    known = {row.name for row in parameters}
+    motion = []
+    for name, row in rows.items():
+        if name[:2] in ("x[", "v[", "s["):
+            text = f"{row.description}, at the beginning of the current period"
+            starts = tuple(start for start in row.initial_dependencies or () if start in known)
+            motion.append(replace(row, description=text, continuous=False, initial_dependencies=starts))
+    return (*parameters, *accelerations, *motion)
+
+
+def leader_table(profile: bool = False) -> tuple[Variable, ...]:
+    """The variables of `PspLeader`: a leader's speed over time.
+
+    Parameters
+    ----------
+    profile : whether the FMU carries a speed profile, which takes the place of the wave
+
+    Returns
+    -------
+    tuple of Variable (ours)
+    """
+    speed = Variable("v", "Speed of the leader", "m/s", nominal=30, continuous=True)
+    if profile:
+        text = "When the profile begins, with its first row; before and after it the first and the last speed are held"
+        return Variable("begin", text, "s", 0.0, nominal=10), speed
+    wave = Wave()
+    return (
+        Variable("v_high", "Speed before and at the top of the wave", "m/s", wave.high, 0, nominal=30),
+        Variable(
+            "v_low", "Speed at the bottom of the wave, at most v_high; v_high for none", "m/s", wave.low, 0, None, 30
+        ),
+        Variable("begin", "When the first braking begins", "s", wave.begin, nominal=10),
+        Variable("period", "Period of the wave, above 0", "s", wave.period, 0, nominal=40),
+        speed,
+    )

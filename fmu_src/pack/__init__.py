@@ -1,0 +1,1 @@
+"""Archives, system structures, and files for other tools."""

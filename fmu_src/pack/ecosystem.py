@@ -1,0 +1,194 @@
+"""Files around an FMU that other tools ask for: SSP with parameter sets, cross-check files, FMI-LS-REF.
+
+`python -m fmu_src.pack.ecosystem FMU FOLDER` writes Platoon.ssp, scenario1.ssv, scenario2.ssv, NAME_in.csv, NAME_ref.csv and
+NAME_ref.opt for an FMU of ours.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from io import StringIO
+from pathlib import Path
+from typing import Any
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+from fmpy import read_model_description, simulate_fmu
+
+from psp_model import ModelError, ObjectiveWeights, PlatoonState, Sampling, simulate
+from psp_model.selection.choose import ParameterSource, Request, choose_potential
+from psp_model.selection.network import ParameterNetwork
+
+from ..interface.variables import Variable, platoon_table
+from .ssp import SystemComponent, parameter_set, write_ssp, xml_file
+
+_LS = "http://fmi-standard.org/fmi-ls-manifest"
+LS_REF = "extra/org.fmi-standard.fmi-ls-ref"
+STOP_TIME, STEP_SIZE = 20.0, 0.01  # [s]
+SCENARIOS: Mapping[str, Mapping[str, float]] = {  # the paper's, from the start values of the table
+    "scenario1": {"potential": 1, "lemma1_policy": 1},
+    "scenario2": {"potential": 2, "lemma1_policy": 1},
+}
+
+
+def scenario_values(table: Sequence[Variable], scenario: str) -> dict[str, float]:
+    """All parameters of a scenario: the table's, with what the scenario changes.
+
+    Parameters
+    ----------
+    table : the variables
+    scenario : name in SCENARIOS
+    """
+    found = {}
+    for row in table:
+        if row.causality == "parameter" and row.start is not None:
+            value = SCENARIOS[scenario].get(row.name, row.start)
+            found[row.name] = int(value) if row.integer else float(value)
+    return found
+
+
+def parameter_files(table: Sequence[Variable]) -> dict[str, bytes]:
+    """scenario1.ssv and scenario2.ssv by name (SSP 1.0 parameter sets).
+
+    Parameters
+    ----------
+    table : the variables
+    """
+    return {f"{name}.ssv": xml_file(parameter_set(name, scenario_values(table, name))) for name in SCENARIOS}
+
+
+def write_platoon_ssp(fmu: Path, path: Path) -> Path:
+    """A flat .ssp with one component, its parameters and outputs, and both scenarios as parameter sets of its own.
+
+    Parameters
+    ----------
+    fmu : an FMU of ours
+    path : of the .ssp
+    """
+    table = _table(fmu)
+    # fmpy cannot run a system that leaves an input unconnected
+    connectors = {row.name: (row.causality, row.fmi_type) for row in table if row.causality != "input"}
+    platoon = SystemComponent(fmu, connectors, SCENARIOS)
+    return write_ssp(path, {"platoon": platoon}, more=parameter_files(table), stop_time=STOP_TIME)
+
+
+def _table(fmu: Path) -> tuple[Variable, ...]:
+    """The table that an FMU was built from."""
+    model = read_model_description(str(fmu), validate=False)
+    starts = {variable.name: variable.start for variable in model.modelVariables}
+    vehicles = sum(name.startswith("v_start[") for name in starts)
+    return platoon_table(vehicles, int(starts["parameter_source"]))
+
+
+def _csv(names: Sequence[str], rows: Any, number: str = "%.17g") -> str:
+    text = StringIO()
+    text.write(",".join(f'"{name}"' for name in names) + "\n")
+    np.savetxt(text, rows, delimiter=",", fmt=number)
+    return text.getvalue()
+
+
+def write_cross_check(fmu: Path, folder: Path) -> list[Path]:
+    """The three files of the FMI project's cross-check for the default start: inputs, 10 outputs, options.
+
+    Parameters
+    ----------
+    fmu : an FMU of ours
+    folder : where they go
+
+    Returns
+    -------
+    the files
+    """
+    n = sum(row.name.startswith("v_start[") for row in _table(fmu))
+    names = [f"x[{n}]", "v[1]", f"v[{n}]", "a[1]", f"a[{n}]", "s[2]", f"s[{n}]", "T_max", "J_acceleration", "J_gap"]
+    result = simulate_fmu(str(fmu), stop_time=STOP_TIME, step_size=STEP_SIZE, output_interval=0.1, output=names)
+    rows = np.column_stack([result[name] for name in ("time", *names)])
+    options = {"StartTime": 0.0, "StopTime": STOP_TIME, "StepSize": STEP_SIZE, "RelTol": 1e-6}
+    contents = {
+        "in.csv": '"time"\n0\n',
+        "ref.csv": _csv(["time", *names], rows),
+        "ref.opt": "".join(f"{name},{value!r}\n" for name, value in options.items()),
+    }
+    paths = [folder / f"{fmu.stem}_{ending}" for ending in contents]
+    for path, content in zip(paths, contents.values(), strict=True):
+        path.write_text(content, encoding="utf-8")
+    return paths
+
+
+def layered_standard(table: Sequence[Variable], references: Mapping[str, str]) -> dict[str, bytes]:
+    """FMI-LS-REF: the manifest, the experiments, their parameter sets and reference results, by name in the FMU.
+
+    Parameters
+    ----------
+    table : the variables
+    references : CSV text by scenario
+    """
+    manifest = Element("fmiReferences", {"xmlns:fmi-ls": _LS, "fmi-ls:fmi-ls-name": "org.fmi-standard.fmi-ls-ref"})
+    manifest.set("fmi-ls:fmi-ls-version", "1.0.0-alpha.1")
+    about = "Layered Standard providing information on related files included in an FMU."
+    manifest.set("fmi-ls:fmi-ls-description", about)
+    experiments = Element("Experiments", name="The paper's scenarios")
+    times = {"startTime": "0.0", "stopTime": repr(STOP_TIME), "stepSize": repr(STEP_SIZE)}
+    found = {f"{LS_REF}/{name}": content for name, content in parameter_files(table).items()}
+
+    def related(source: str, role: str, kind: str) -> None:
+        SubElement(manifest, "Related", type=kind, source=source, role=role)
+
+    related("experiments.xml", "experiment", "application/xml")
+    for name, text in references.items():
+        experiment = SubElement(experiments, "Experiment", {"name": name} | times)
+        SubElement(experiment, "Parameters", source=f"{name}.ssv")
+        SubElement(experiment, "References", source=f"{name}_ref.csv")
+        related(f"{name}.ssv", "parameter", "application/x-ssp-parameter-set")
+        related(f"{name}_ref.csv", "result", "text/csv")
+        found[f"{LS_REF}/{name}_ref.csv"] = text.encode()
+    found[f"{LS_REF}/experiments.xml"] = xml_file(experiments)
+    return found | {f"{LS_REF}/fmi-ls-manifest.xml": xml_file(manifest)}
+
+
+def reference_results(table: Sequence[Variable], network: ParameterNetwork | None) -> dict[str, str]:
+    """What both scenarios give, from psp_model and without FMI: CSV text by scenario, a row every 0.1 s.
+
+    Parameters
+    ----------
+    table : the variables
+    network : for this number of vehicles, None if there is none
+
+    Returns
+    -------
+    CSV text by scenario; a scenario that Lemma 1 does not certify for this number of vehicles is left out
+    """
+    found = {}
+    for name in SCENARIOS:
+        values = scenario_values(table, name)
+        gaps = np.array([value for key, value in values.items() if key.startswith("s_start[")])
+        speeds = np.array([value for key, value in values.items() if key.startswith("v_start[")])
+        start = PlatoonState(gaps, speeds)
+        source = ParameterSource(int(values["parameter_source"]))
+        request = Request(old=values["potential"] == 1, source=source)
+        shape = choose_potential(start, request, network, ObjectiveWeights(), Sampling(), lambda sentence: None)
+        try:
+            run = simulate(start, shape, duration=STOP_TIME, output_step=0.1)
+        except ModelError:
+            continue
+        n = speeds.size
+        names = ["time", f"x[{n}]", "v[1]", f"v[{n}]", f"a[{n}]", "s[2]", f"s[{n}]", "T_max", "J"]
+        columns = [run.time, run.x[:, -1], run.v[:, 0], run.v[:, -1], run.a[:, -1], run.s[:, 0], run.s[:, -1]]
+        found[name] = _csv(names, np.column_stack([*columns, run.T_max, run.cost.sum(axis=1)]), "%.10g")
+    return found
+
+
+def main(fmu: Path, folder: Path) -> list[Path]:
+    """Write everything for an FMU and say what was written."""
+    folder.mkdir(parents=True, exist_ok=True)
+    written = [write_platoon_ssp(fmu, folder / "Platoon.ssp"), *write_cross_check(fmu, folder)]
+    for name, content in parameter_files(_table(fmu)).items():
+        written.append(folder / name)
+        written[-1].write_bytes(content)
+    print(*written, sep="\n")
+    return written
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), Path(sys.argv[2]))

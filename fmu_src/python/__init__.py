@@ -1,0 +1,1 @@
+"""The Python FMUs: slaves, launcher, and how they are built."""

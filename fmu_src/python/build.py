@@ -1,0 +1,279 @@
+"""`PspPlatoon.fmu`: the model in Python, run by pythonfmu's library behind our launcher."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib.metadata import distribution, version
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import psp_model
+from psp_model.selection.network import ParameterNetwork, network_path, open_network
+
+from ..interface.documentation import index_page
+from ..interface.model_description import Component, model_description
+from ..interface.variables import Variable, platoon_table
+from ..pack.archive import content_digest, guid_of, write_fmu
+from ..pack.ecosystem import layered_standard, reference_results
+from .table_slave import CONFIG
+
+NAME = "PspPlatoon"
+DESCRIPTION = (
+    "A platoon of automated vehicles on one lane, under sampled feedback from performance-sensitive potentials"
+)
+NEEDS = (
+    "Needs from outside: a 64-bit Python 3.11 or later with numpy and onnxruntime (resources/requirements.txt), on "
+    "Linux or Windows: a Python host lends its own, other hosts find the python3 that is first on PATH."
+)
+_SLAVE_FILES = {
+    "PspPlatoon": ("__init__.py", "variables.py", "slave_state.py", "table_slave.py", "platoon_slave.py"),
+    "PspController": (
+        "__init__.py",
+        "variables.py",
+        "table_slave.py",
+        "controller_variables.py",
+        "controller_slave.py",
+    ),
+    "PspLeader": ("__init__.py", "variables.py", "table_slave.py", "controller_variables.py", "leader_slave.py"),
+    "PspPlant": ("__init__.py", "variables.py", "table_slave.py", "controller_variables.py", "plant_slave.py"),
+}
+_LAUNCHERS = {"linux64": "psp_launcher.so", "win64": "psp_launcher.dll"}
+_OWN_IMPORT = re.compile(r"^(\s*(?:from|import) )(psp_model|fmu_src)\b", re.MULTILINE)
+
+# pythonfmu runs this script once more for every instance, and each time gives back a reference to the script's globals
+# that it does not own; without one to spare they would be freed under its feet.
+_SCRIPT = '''"""Where pythonfmu finds the slave."""
+
+import ctypes
+
+from fmu_src_{suffix}.{module} import {name}
+
+ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
+'''
+
+
+@dataclass(frozen=True)
+class NetworkFile:
+    """The network that goes into an FMU, with what its metadata says.
+
+    Attributes
+    ----------
+    name : file name inside resources/
+    content : the file
+    domain, constants : what it was trained for
+    reader : runs it
+    """
+
+    name: str
+    content: bytes
+    domain: dict[str, float]
+    constants: dict[str, float]
+    reader: ParameterNetwork
+
+
+def network_for(vehicles: int, path: Path | None = None) -> NetworkFile | None:
+    """The network for n vehicles: the given file, else this project's for n or for any number, else None.
+
+    Parameters
+    ----------
+    vehicles : n
+    path : a network of the user's own
+
+    Raises
+    ------
+    ModelError : where a file is unreadable or made for another number of vehicles
+    """
+    path = path or network_path(vehicles, Path(__file__).parents[1] / "onnx")
+    if path is None:
+        return None
+    network = open_network(path)
+    network.require_vehicles(vehicles)
+    return NetworkFile(path.name, path.read_bytes(), network.domain.as_dict(), dict(vars(network.constants)), network)
+
+
+def networks_up_to(capacity: int, path: Path | None = None) -> dict[int, NetworkFile]:
+    """This project's networks for 2 to N vehicles, by number of vehicles.
+
+    Parameters
+    ----------
+    capacity : N
+    path : a network of the user's own, for N vehicles and perhaps for fewer, too
+
+    Raises
+    ------
+    ModelError : where a file is unreadable or made for other numbers of vehicles
+    """
+    own = network_for(capacity, path) if path else None
+    served = [n for n in range(2, capacity + 1) if own and n in own.reader.vehicles]
+    found = {n: network_for(n) for n in range(2, capacity + 1) if n not in served}
+    networks = {n: network for n, network in found.items() if network is not None}
+    if own is None:
+        return networks
+    taken = any(network.name == own.name for network in networks.values())
+    own = replace(own, name=f"own_{own.name}") if taken else own
+    return dict(sorted((networks | dict.fromkeys(served, own)).items()))
+
+
+def notes_on_networks(networks: Mapping[int, NetworkFile]) -> list[str]:
+    """What the page of an FMU says of its networks.
+
+    Parameters
+    ----------
+    networks : by number of vehicles
+    """
+    notes = []
+    for network in {network.name: network for network in networks.values()}.values():
+        numbers = ", ".join(str(n) for n, other in networks.items() if other.name == network.name)
+        bounds = ", ".join(f"{name} = {value:.10g}" for name, value in network.domain.items())
+        notes.append(
+            f"The network {network.name}, for {numbers} vehicles, was trained on starts with {bounds} (m, m/s, s)."
+        )
+    text = "For other numbers of vehicles, and outside that domain, alpha_fixed, r_fixed and p_fixed are used."
+    return [*notes, text] if notes else ["There is no network in this FMU, so parameter_source starts at 2."]
+
+
+def _model_sources(name: str) -> dict[str, bytes]:
+    """The Python files of the model and of the slave of that name, by name."""
+    model, slave = Path(psp_model.__file__).parent, Path(__file__).parent
+    found = {f"psp_model/{path.name}": path.read_bytes() for path in sorted(model.glob("*.py"))}
+    return found | {f"fmu_src/{file}": (slave / file).read_bytes() for file in _SLAVE_FILES[name]}
+
+
+def _renamed(sources: dict[str, bytes], suffix: str) -> dict[str, bytes]:
+    """The same files as packages of their own name.
+
+    Two FMUs in one process share Python's table of modules: were the packages called alike, the second FMU would run
+    the first one's code.
+    """
+    renamed = {}
+    for name, content in sources.items():
+        package, file = name.split("/")
+        text = _OWN_IMPORT.sub(rf"\g<1>\g<2>_{suffix}", content.decode())
+        renamed[f"resources/{package}_{suffix}/{file}"] = text.encode()
+    return renamed
+
+
+def _pythonfmu_files() -> dict[str, bytes]:
+    """pythonfmu's Python files, and its library for each platform that we have a launcher for."""
+    package = files("pythonfmu")
+    found = {f"resources/pythonfmu/{f.name}": f.read_bytes() for f in package.iterdir() if f.name.endswith(".py")}
+    for platform in _LAUNCHERS:
+        for library in (package / "resources" / "binaries" / platform).iterdir():
+            found[f"resources/binaries/{platform}/{library.name}"] = library.read_bytes()
+    return found
+
+
+def _licences() -> dict[str, bytes]:
+    own = (Path(__file__).parents[1] / "LICENSE").read_bytes()
+    theirs = next(f for f in distribution("pythonfmu").files or [] if f.name == "LICENSE")
+    folder = "documentation/licenses"
+    return {f"{folder}/license.txt": own, f"{folder}/pythonfmu.txt": theirs.read_binary()}
+
+
+def _requirements() -> str:
+    """What the FMU needs from outside, as pip reads it: the versions it was built with are known to work."""
+    return "".join(f"{name}>={version(name).split('.')[0]}.0\n" for name in ("numpy", "onnxruntime"))
+
+
+def build_python_fmu(vehicles: int, output: Path, networks: Mapping[int, NetworkFile]) -> Path:
+    """Write PspPlatoon.fmu; the same tree gives the same bytes.
+
+    Parameters
+    ----------
+    vehicles : most vehicles N, at least 2
+    output : folder
+    networks : from `networks_up_to`; without one for N parameter_source starts at 2
+
+    Returns
+    -------
+    path of the FMU
+    """
+    source = 1 if vehicles in networks else 2
+    trained = {
+        n: {"file": network.name, "domain": network.domain, "constants": network.constants}
+        for n, network in networks.items()
+    }
+    table = platoon_table(vehicles, source)
+    config = {"vehicles": vehicles, "default_source": source, "networks": trained}
+    reader = networks[vehicles].reader if vehicles in networks else None
+    more = layered_standard(table, reference_results(table, reader))
+    notes = [*notes_on_networks(networks), NEEDS]
+    return pack_slave(NAME, DESCRIPTION, table, config, [*networks.values()], notes, output, more)
+
+
+def pack_slave(
+    name: str,
+    description: str,
+    table: tuple[Variable, ...],
+    config: dict[str, Any],
+    networks: Sequence[NetworkFile],
+    notes: Sequence[str],
+    output: Path,
+    more: Mapping[str, bytes] | None = None,
+) -> Path:
+    """Write an FMU whose slave is the class `name`; the same tree gives the same bytes.
+
+    Parameters
+    ----------
+    name, description : of the FMU
+    table : its variables
+    config : what the slave finds in resources/
+    networks : that go into resources/
+    notes : paragraphs of its page
+    output : folder
+    more : further files, content by name
+
+    Returns
+    -------
+    path of the FMU
+    """
+    component = Component(
+        name,
+        description,
+        version("psp-platoon"),
+        "",
+        capabilities=("canGetAndSetFMUstate", "canSerializeFMUstate", "canNotUseMemoryManagementFunctions"),
+    )
+    packed = dict(more or {}) | _fixed_files(name, networks)
+    packed |= {"documentation/index.html": index_page(component, config["vehicles"], table, notes)}
+    sources = _model_sources(name)
+    digest = content_digest(packed | sources | {"table": repr((component, table)).encode()})
+    packed |= _generated_files(component, table, config, digest) | _renamed(sources, digest[:12])
+    path = output / f"{name}.fmu"
+    write_fmu(path, packed)
+    return path
+
+
+def _fixed_files(name: str, networks: Sequence[NetworkFile]) -> dict[str, bytes]:
+    """Everything that is copied into the FMU as it is."""
+    here = Path(__file__).parent
+    found = _pythonfmu_files() | _licences()
+    for platform, library in _LAUNCHERS.items():
+        found[f"binaries/{platform}/{name}{Path(library).suffix}"] = (
+            here / "launcher" / "binaries" / platform / library
+        ).read_bytes()
+    found["model.png"] = (here / "model.png").read_bytes()
+    found["resources/requirements.txt"] = _requirements().encode()
+    found["documentation/externalDependencies.txt"] = ("Python >= 3.11\n" + _requirements()).encode()
+    return found | {f"resources/{network.name}": network.content for network in networks}
+
+
+def _generated_files(
+    component: Component, table: tuple[Variable, ...], config: dict[str, Any], digest: str
+) -> dict[str, bytes]:
+    """Everything that names the content of the FMU."""
+    module = f"psp_platoon_{digest[:12]}"
+    described = Component(**(vars(component) | {"guid": guid_of(digest)}))
+    slave = _SLAVE_FILES[component.name][-1].removesuffix(".py")
+    script = _SCRIPT.format(suffix=digest[:12], name=component.name, module=slave)
+    return {
+        "modelDescription.xml": model_description(described, table),
+        "resources/slavemodule.txt": module.encode(),
+        "resources/guid.txt": described.guid.encode(),
+        f"resources/{module}.py": script.encode(),
+        f"resources/{CONFIG}": json.dumps(config, indent=1).encode(),
+    }

@@ -1,0 +1,80 @@
+"""`PspController.fmu`, `PspPlant.fmu` and `PspLeader.fmu`: other people's vehicles."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from psp_model.vehicles.leader import read_profile
+
+from ..interface.controller_variables import controller_table, leader_table, plant_table
+from .build import NEEDS, NetworkFile, notes_on_networks, pack_slave
+
+CONTROLLER = "Commands accelerations to a platoon of vehicles from their measured gaps and speeds"
+
+
+def build_controller_fmu(capacity: int, output: Path, networks: Mapping[int, NetworkFile]) -> Path:
+    """Write PspController.fmu.
+
+    Parameters
+    ----------
+    capacity : most vehicles N, at least 2
+    output : folder
+    networks : from `networks_up_to`; without any parameter_source starts at 2
+
+    Returns
+    -------
+    path of the FMU
+    """
+    config: dict[str, Any] = {
+        "vehicles": capacity,
+        "default_source": 1 if networks else 2,
+        "networks": {n: network.name for n, network in networks.items()},
+    }
+    table, notes = controller_table(capacity, config["default_source"]), [*notes_on_networks(networks), NEEDS]
+    return pack_slave("PspController", CONTROLLER, table, config, list(networks.values()), notes, output)
+
+
+def build_plant_fmu(vehicles: int, output: Path) -> Path:
+    """Write PspPlant.fmu.
+
+    Parameters
+    ----------
+    vehicles : n, at least 2
+    output : folder
+
+    Returns
+    -------
+    path of the FMU
+    """
+    description = "Ideal vehicles on one lane, double integrators, to try a controller on"
+    return pack_slave("PspPlant", description, plant_table(vehicles), {"vehicles": vehicles}, [], [NEEDS], output)
+
+
+def build_leader_fmu(vehicles: int, output: Path, profile: Path | None = None) -> Path:
+    """Write PspLeader.fmu.
+
+    Parameters
+    ----------
+    vehicles : of the platoon that follows; says nothing here
+    output : folder
+    profile : CSV file of a speed profile to drive instead of the wave
+
+    Returns
+    -------
+    path of the FMU
+
+    Raises
+    ------
+    ModelError : where the profile is none
+    """
+    description = "The speed of a leader, steady or on a stop-and-go wave"
+    config: dict[str, Any] = {"vehicles": vehicles}
+    more = {}
+    if profile is not None:
+        read_profile(profile)
+        description = f"The speed of a leader who follows {profile.name}"
+        config["profile"] = "profile.csv"
+        more = {"resources/profile.csv": profile.read_bytes()}
+    return pack_slave("PspLeader", description, leader_table(profile is not None), config, [], [NEEDS], output, more)

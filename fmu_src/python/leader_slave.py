@@ -1,0 +1,60 @@
+"""The pythonfmu slave `PspLeader`: a leader's speed, to be the controller's desired speed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from psp_model.errors import ModelError
+from psp_model.vehicles.leader import Profile, Wave, read_profile
+
+from ..interface.controller_variables import leader_table
+from ..interface.variables import Variable
+from .table_slave import TableSlave, logged
+
+_SAVED = ("_values", "_start_time", "_time", "_initialising")
+
+
+class PspLeader(TableSlave):
+    """A speed over time; see `psp_model.vehicles.leader.Wave` and, with a file in the FMU, `psp_model.vehicles.leader.Profile`."""
+
+    _part: Callable[[float], float] | None
+
+    def _make_table(self) -> tuple[Variable, ...]:
+        return leader_table("profile" in self._config)
+
+    @cached_property
+    def _profile(self) -> Profile:
+        return read_profile(Path(self.resources) / self._config["profile"])
+
+    def _initialise(self) -> Callable[[float], float]:
+        """The speed [m/s] over the time since the start [s]."""
+        if "profile" not in self._config:
+            return Wave(*(self._value(name) for name in ("v_high", "v_low", "begin", "period"))).speed
+        begin, profile = self._value("begin"), self._profile
+        if not isfinite(begin):
+            raise ModelError("finite", "begin", begin, "s")
+        return lambda time: profile.speed(time - begin)
+
+    def _outputs(self, speed: Callable[[float], float]) -> list[float]:
+        return [speed(self._time - self._start_time)]
+
+    @logged
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        self._time, self._stale = current_time + step_size, True
+        return True
+
+    @logged
+    def _get_fmu_state(self) -> dict[str, Any]:
+        state = {name: getattr(self, name) for name in _SAVED} | {"_values": tuple(self._values)}
+        return state | {"ready": self._part is not None}
+
+    @logged
+    def _set_fmu_state(self, state: dict[str, Any]) -> None:
+        for name in _SAVED:
+            setattr(self, name, state[name])
+        self._values, self._stale = list(state["_values"]), True
+        self._part = self._initialise() if state["ready"] else None

@@ -1,0 +1,72 @@
+"""The pythonfmu slave `PspPlant`: ideal vehicles to try a controller on."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from psp_model.errors import ModelError
+from psp_model.parameters import PlatoonParameters
+from psp_model.platoon import Sampling, locate
+from psp_model.state import PlatoonState
+from psp_model.vehicles.ideal import IdealPlant, Motion
+
+from ..interface.controller_variables import plant_table
+from ..interface.variables import Variable
+from .table_slave import TableSlave, logged
+
+_SAVED = ("_values", "_start_time", "_time", "_initialising")
+
+
+class PspPlant(TableSlave):
+    """n double integrators; see `psp_model.IdealPlant`."""
+
+    _part: IdealPlant | None
+
+    def _make_table(self) -> tuple[Variable, ...]:
+        return plant_table(self.vehicles)
+
+    def _initialise(self) -> IdealPlant:
+        n, free = self.vehicles, PlatoonParameters(L=1e-9, lam=1e6, v_star=1.0, v_max=1e6)  # nothing but motion forward
+        gaps, speeds = np.array(self._numbers("s_start", 2, n)), np.array(self._numbers("v_start", 1, n))
+        start = PlatoonState(gaps, speeds, free, self._value("x_start"))
+        return IdealPlant.begin(start, Sampling(self._value("T")).T)
+
+    @logged
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        plant, end = self._part, current_time + step_size
+        assert plant is not None  # the launcher lets nobody step before initialisation has ended
+        a = np.array(self._numbers("a", 1, self.vehicles))
+        for i in np.flatnonzero(~np.isfinite(a)).tolist():
+            raise ModelError("finite", f"a[{i + 1}]", a[i], "m/s2")
+        plant.advance_to(locate(end - self._start_time, plant.T)[0], a)
+        self._time, self._stale = end, True
+        return True
+
+    def _outputs(self, plant: IdealPlant) -> list[float]:
+        seen = plant.now
+        return [*seen.positions().tolist(), *seen.v.tolist(), *seen.s.tolist()]
+
+    # the whole state
+
+    @logged
+    def _get_fmu_state(self) -> dict[str, Any]:
+        state = {name: getattr(self, name) for name in _SAVED} | {"_values": tuple(self._values)}
+        plant = self._part and {"T": self._part.T, "period": self._part.period, "now": _pack(self._part.now)}
+        return state | {"plant": plant}
+
+    @logged
+    def _set_fmu_state(self, state: dict[str, Any]) -> None:
+        for name in _SAVED:
+            setattr(self, name, state[name])
+        self._values, self._stale, plant = list(state["_values"]), True, state["plant"]
+        self._part = plant and IdealPlant(_unpack(plant["now"]), plant["T"], plant["period"])
+
+
+def _pack(motion: Motion) -> dict[str, Any]:
+    return {"x": motion.x, "s": motion.s.tolist(), "v": motion.v.tolist()}
+
+
+def _unpack(packed: dict[str, Any]) -> Motion:
+    return Motion(packed["x"], np.array(packed["s"]), np.array(packed["v"]))

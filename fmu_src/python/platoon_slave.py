@@ -1,0 +1,186 @@
+"""The pythonfmu slave `PspPlatoon`: a thin shim between FMI and `psp_model.SampledPlatoon`.
+
+Nothing here raises: whatever goes wrong is logged as one sentence with its status, and the launcher, the C library
+around this slave, returns that status from the FMI call.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from copy import copy
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from psp_model.errors import ModelError
+from psp_model.membership import OpenPlatoon, Refusal
+from psp_model.parameters import PlatoonParameters, PotentialParameters
+from psp_model.platoon import SampledPlatoon, locate
+from psp_model.selection.choose import ParameterSource, choose_for_any_number, outside_domain
+from psp_model.selection.feasible import require_feasible
+from psp_model.selection.network import read_networks
+from psp_model.state import PlatoonState, StartDomain
+
+from ..interface.variables import Variable, platoon_table
+from .slave_state import Members, SlaveState, from_bytes, to_bytes
+from .table_slave import LONGEST, TableSlave, logged
+
+Vector = NDArray[np.float64]
+
+
+class PspPlatoon(TableSlave):
+    """The closed loop of up to N vehicles as an FMI 2.0 co-simulation slave (design, section 3).
+
+    Vehicles join and leave where a communication step begins.
+    """
+
+    _part: SampledPlatoon | None
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        trained = {int(n): entry for n, entry in self._config["networks"].items()}
+        self._networks = read_networks(Path(self.resources), {n: entry["file"] for n, entry in trained.items()})
+        # asked without opening a network, which takes time and onnxruntime
+        self._trained = {
+            n: (StartDomain(**entry["domain"]), PlatoonParameters(**entry["constants"])) for n, entry in trained.items()
+        }
+        self._in_domain = 0.0
+        self._insert, self._remove = self._place["insert"], self._place["remove"]
+        self._become(Members())
+
+    def _become(self, members: Members) -> None:
+        self._members, self._told = members, members.told(self.vehicles)
+
+    def _make_table(self) -> tuple[Variable, ...]:
+        return platoon_table(self.vehicles, self._config["default_source"])
+
+    # initialisation
+
+    def _initialise(self) -> SampledPlatoon:
+        """The platoon that the parameters describe, at its first sampling instant."""
+        n, constants, weights, sampling = self._chosen("n_start"), self._constants(), self._weights(), self._sampling()
+        gaps, speeds = np.array(self._numbers("s_start", 2, n)), np.array(self._numbers("v_start", 1, n))
+        start = PlatoonState(gaps, speeds, constants, self._value("x_start"))
+        request = self._request()
+        if not request.old and request.source is not ParameterSource.FIXED:
+            if not self._networks:
+                raise ModelError("no_network", n)
+            require_feasible(request.fixed, constants)  # or a later change could find no potential at all
+        shape = self._choose(start.s, start.v, self._warn)
+        platoon = SampledPlatoon(start, shape, weights, sampling, self._warn)
+        self._in_domain = self._lies_in_domain(platoon)
+        self._become(Members(tuple(range(1, n + 1)), n))
+        return platoon
+
+    def _choose(self, s: Vector, v: Vector, warn: Callable[[str], None]) -> PotentialParameters:
+        """The potential for vehicles that have just come together."""
+        how = (self._request(), self._networks, self._weights(), self._sampling(), warn)
+        return choose_for_any_number(s, v, self._constants(), *how)[0]
+
+    def _lies_in_domain(self, platoon: SampledPlatoon) -> float:
+        """1.0 if there is a network for so many vehicles and they are in its training domain, else 0.0."""
+        now, trained = platoon.now, self._trained.get(platoon.now.v.size)
+        return float(trained is not None and outside_domain(now.s, now.v, platoon.start.constants, *trained) is None)
+
+    # joining and leaving
+
+    def _make_changes(self) -> None:
+        """Let a vehicle leave, then one join, where the triggers have risen."""
+        before, values = self._members, self._values
+        insert, remove = values[self._insert], values[self._remove]
+        if insert == before.insert and remove == before.remove:
+            return
+        at = locate(self._time - self._start_time, self._value("T"))
+        if remove > 0.5 and not before.remove > 0.5:
+            self._make(lambda road: road.remove(self._value("remove_place"), *at))
+        if insert > 0.5 and not before.insert > 0.5:
+            behind, gap, speed = (self._value(f"insert_{name}") for name in ("behind", "gap", "speed"))
+            self._make(lambda road: road.insert(behind, gap, speed, *at))
+        self._become(replace(self._members, insert=insert, remove=remove))
+
+    def _make(self, change: Callable[[OpenPlatoon], Refusal | None]) -> None:
+        """Make a change or note why not."""
+        assert self._part is not None
+        members = self._members
+        heard: list[str] = []
+
+        def choose(s: Vector, v: Vector) -> PotentialParameters:
+            heard.clear()  # what an earlier trial was warned of does not count
+            return self._choose(s, v, heard.append)
+
+        road = OpenPlatoon(self._part, self.vehicles, choose, members.vehicles, members.joined)
+        refused = change(road)
+        if refused:
+            self._warn(refused.sentence)
+            counted = replace(members, gap_offered=float(np.nan_to_num(refused.gap)), refusals=members.refusals + 1)
+            self._become(replace(counted, change_ok=0.0))
+            return
+        for sentence in heard:
+            self._warn(sentence)
+        self._part, self._in_domain = road.platoon, self._lies_in_domain(road.platoon)
+        counted = replace(members, vehicles=road.vehicles, joined=road.joined, changes=members.changes + 1)
+        self._become(replace(counted, change_ok=1.0))
+
+    # time
+
+    @logged
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        if step_size > 0.0:
+            self._make_changes()
+        platoon = self._part
+        assert platoon is not None  # the launcher lets nobody step before initialisation has ended
+        time = current_time + step_size
+        self._stale = True
+        self._time = time
+        try:
+            platoon.advance_to(*locate(time - self._start_time, platoon.sampling.T))
+        except ModelError:  # the outputs then show the instant that was refused
+            self._time = self._start_time + (platoon.now.period + platoon.now.fraction) * platoon.sampling.T
+            raise
+        return True
+
+    def _outputs(self, platoon: SampledPlatoon) -> list[float]:
+        seen = platoon.observe(*locate(self._time - self._start_time, platoon.sampling.T))
+        parts = [part.tolist() for part in (seen.x, seen.v, seen.a, seen.s)]
+        if missing := [0.0] * (self.vehicles - seen.v.size):
+            parts = [part + missing for part in parts]
+        reported = self._reported(platoon, seen.cost.tolist())
+        return [value for part in (*parts, reported, self._told) for value in part]
+
+    def _reported(self, platoon: SampledPlatoon, cost: list[float]) -> list[float]:
+        """The outputs behind the motion, in the order of the table."""
+        now, shape = platoon.now, platoon.shape
+        of_acceleration, of_gaps = cost
+        reports = (shape.alpha, shape.r, shape.p, self._in_domain, min(now.T_max, LONGEST))
+        lemma1 = (float(now.T_max > platoon.sampling.T), float(now.violations))
+        return [*reports, *lemma1, of_acceleration + of_gaps, of_acceleration, of_gaps]
+
+    # the whole state
+
+    @logged
+    def _get_fmu_state(self) -> Any:
+        return SlaveState(
+            values=tuple(self._values[: self._first_output]),
+            start_time=self._start_time,
+            time=self._time,
+            in_domain=self._in_domain,
+            initialising=self._initialising,
+            members=self._members,
+            platoon=copy(self._part),
+        )
+
+    @logged
+    def _set_fmu_state(self, state: Any) -> None:
+        self._values[: self._first_output] = state.values
+        self._start_time, self._time, self._in_domain = state.start_time, state.time, state.in_domain
+        self._initialising, self._stale = state.initialising, True
+        self._become(state.members)
+        self._part = copy(state.platoon)
+        if self._part is not None:
+            self._part.warn = self._warn
+
+    _fmu_state_to_bytes: Any = staticmethod(to_bytes)
+    _fmu_state_from_bytes: Any = staticmethod(from_bytes)

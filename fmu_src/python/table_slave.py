@@ -1,0 +1,213 @@
+"""What all slaves share: a table of variables, values by reference, failures as one logged sentence.
+
+Nothing here raises: whatever goes wrong is logged as one sentence with its status, and the launcher, the C library
+around a slave, returns that status from the FMI call.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable
+from functools import wraps
+from pathlib import Path
+from typing import Any, TypeVar
+from weakref import ref
+
+from pythonfmu.enums import Fmi2Status
+from pythonfmu.fmi2slave import Fmi2Slave
+
+from psp_model.errors import ModelError
+from psp_model.parameters import ObjectiveWeights, PlatoonParameters, PotentialParameters
+from psp_model.platoon import Lemma1Policy, Sampling
+from psp_model.selection.choose import ParameterSource, Request
+
+from ..interface.variables import Variable
+
+CONFIG = "platoon.json"  # what build_fmu.py decided: how many vehicles, which networks
+LONGEST = 1e9  # [s] T_max of a lone vehicle at rest with v_star is infinite, which importers do not like
+
+Result = TypeVar("Result")
+
+
+def logged(call: Callable[..., Result]) -> Callable[..., Result | bool | list[float]]:
+    """Turn what a call of the slave raises into one logged sentence."""
+
+    @wraps(call)
+    def guarded(self: TableSlave, *args: Any) -> Any:
+        try:
+            return call(self, *args)
+        except ModelError as error:
+            self.log(str(error), Fmi2Status.error)
+        except Exception as error:  # a defect of ours must not crash the host
+            self.log(str(ModelError("internal", call.__name__, repr(error))), Fmi2Status.error)
+        return [0.0] * len(args[0]) if call.__name__.startswith("get_") else False
+
+    return guarded
+
+
+class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
+    """A slave whose variables are the rows of a table.
+
+    A subclass says which table (`_make_table`), what the parameters describe (`_initialise`) and what that puts out
+    (`_outputs`).
+    """
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        resources = Path(self.resources)
+        self._config: dict[str, Any] = json.loads((resources / CONFIG).read_text(encoding="utf-8"))
+        self.vehicles: int = self._config["vehicles"]
+        self._table = self._make_table()
+        self._place = {variable.name: place for place, variable in enumerate(self._table)}
+        self._values: list[float] = [0.0 if row.start is None else row.start for row in self._table]
+        self._first_output = next(place for place, row in enumerate(self._table) if row.start is None)
+        self._start_time = 0.0
+        self._time = 0.0  # [s] last communication point
+        self._initialising = False
+        self._part: Any = None  # what the parameters describe, made when initialisation ends or outputs are read
+        self._stale = True  # the outputs in _values lag behind
+        # Real and Integer variables read last, found to be in order
+        self._read: dict[bool, list[int]] = {False: [], True: []}
+
+    def _make_table(self) -> tuple[Variable, ...]:
+        raise NotImplementedError
+
+    def _initialise(self) -> Any:
+        """What the parameters describe, checked."""
+        raise NotImplementedError
+
+    def _outputs(self, part: Any) -> Iterable[float]:
+        """What it puts out at the communication point, in the order of the table."""
+        raise NotImplementedError
+
+    def _changed(self, inputs: bool) -> None:
+        """Parameters or, if `inputs`, inputs only were set."""
+        if not inputs:
+            self._part, self._stale = None, True
+
+    def _refresh(self) -> None:
+        """Bring the outputs in `_values` up to date; before initialisation there is nothing to show."""
+        if self._part is None:
+            if not self._initialising:
+                return
+            self._part = self._initialise()
+        self._values[self._first_output :] = self._outputs(self._part)
+        self._stale = False
+
+    # parameters and inputs in, outputs out
+
+    def _get(self, references: list[int], integer: bool) -> list[float]:
+        if self._stale:
+            self._refresh()
+        if references != self._read[integer]:  # most hosts read the same variables in every step
+            for reference in references:
+                self._require_variable(reference, integer)
+            self._read[integer] = list(references)
+        values = self._values
+        return [values[reference] for reference in references]
+
+    def _require_variable(self, reference: int, integer: bool) -> None:
+        if not (0 <= reference < len(self._table) and self._table[reference].integer is integer):
+            raise ModelError("reference", reference, "Integer" if integer else "Real")
+
+    def _set(self, references: list[int], values: list[float], integer: bool) -> None:
+        inputs = True
+        for reference in references:
+            self._require_variable(reference, integer)
+            row = self._table[reference]
+            if row.input:
+                continue
+            inputs = False
+            if reference >= self._first_output:
+                raise ModelError("output", row.name)
+            if self._part is not None and not self._initialising:
+                raise ModelError("fixed", row.name)
+        for reference, value in zip(references, values, strict=True):
+            self._values[reference] = value
+        self._changed(inputs)
+
+    @logged
+    def get_real(self, vrs: list[int]) -> list[float]:
+        return self._get(vrs, integer=False)
+
+    @logged
+    def get_integer(self, vrs: list[int]) -> list[float]:
+        return [int(value) for value in self._get(vrs, integer=True)]
+
+    @logged
+    def set_real(self, vrs: list[int], values: list[float]) -> None:
+        self._set(vrs, values, integer=False)
+
+    @logged
+    def set_integer(self, vrs: list[int], values: list[int]) -> None:
+        self._set(vrs, [float(value) for value in values], integer=True)
+
+    @logged
+    def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
+        self._start_time = self._time = start_time
+
+    @logged
+    def enter_initialization_mode(self) -> None:
+        self._initialising = True
+
+    @logged
+    def exit_initialization_mode(self) -> None:
+        if self._part is None:
+            self._part = self._initialise()
+        self._initialising, self._stale = False, True
+
+    # what the parameters say
+
+    def _value(self, name: str) -> float:
+        return self._values[self._place[name]]
+
+    def _numbers(self, name: str, first: int, last: int) -> list[float]:
+        """The values of name[first] to name[last]."""
+        return [self._value(f"{name}[{i}]") for i in range(first, last + 1)]
+
+    def _chosen(self, name: str) -> int:
+        """An Integer parameter, checked against the bounds in its row."""
+        row, value = self._table[self._place[name]], int(self._value(name))
+        low, high = int(row.minimum or 0), row.maximum
+        if high is None and value < low:
+            raise ModelError("count", name, value)
+        if high is not None and not low <= value <= high:
+            raise ModelError("choice", name, value, low, int(high))
+        return value
+
+    def _constants(self) -> PlatoonParameters:
+        names = {"lam": "lambda"}
+        return PlatoonParameters(
+            **{key: self._value(names.get(key, key)) for key in PlatoonParameters.__dataclass_fields__}
+        )
+
+    def _weights(self) -> ObjectiveWeights:
+        return ObjectiveWeights(**{key: self._value(key) for key in ObjectiveWeights.__dataclass_fields__})
+
+    def _sampling(self) -> Sampling:
+        policy = Lemma1Policy(self._chosen("lemma1_policy"))
+        if "max_short_periods" in self._place:
+            return Sampling(self._value("T"), policy, self._chosen("max_short_periods"))
+        return Sampling(self._value("T"), policy)
+
+    def _request(self) -> Request:
+        read = self._value
+        return Request(
+            old=self._chosen("potential") == 1,
+            source=ParameterSource(self._chosen("parameter_source")),
+            fixed=PotentialParameters(read("alpha_fixed"), read("r_fixed"), read("p_fixed")),
+            rollouts=self._chosen("rollout_count"),
+            horizon=read("rollout_horizon"),
+        )
+
+    @property
+    def _warn(self) -> Callable[[str], None]:
+        """Logs a sentence as a warning; it does not keep a freed slave and its networks in memory."""
+        slave = ref(self)
+
+        def warn(sentence: str) -> None:
+            alive = slave()
+            if alive is not None:
+                alive.log(sentence, Fmi2Status.warning)
+
+        return warn

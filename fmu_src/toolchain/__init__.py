@@ -1,0 +1,1 @@
+"""The C compiler from PyPI, serving the two runtimes."""

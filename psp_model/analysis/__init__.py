@@ -1,0 +1,1 @@
+"""What is computed to be looked at; draws nothing."""

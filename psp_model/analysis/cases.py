@@ -1,0 +1,132 @@
+"""A run together with everything it was made from, and the figures it is judged by."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from psp_model.objective import HORIZON
+from psp_model.parameters import ObjectiveWeights, PotentialParameters
+from psp_model.platoon import Sampling
+from psp_model.selection.choose import ParameterSource, Request, choose_potential
+from psp_model.selection.network import ParameterNetwork
+from psp_model.simulate import Run, simulate
+from psp_model.state import PlatoonState
+
+from .certificate import Certificate, certify
+from .figures import Figure, figures_of_run
+
+
+@dataclass(frozen=True, eq=False)
+class Setup:
+    """What a run is made from.
+
+    Attributes
+    ----------
+    start : initial state
+    request : where alpha, r, p come from
+    weights : of the objective
+    sampling : period and policy
+    """
+
+    start: PlatoonState
+    request: Request
+    weights: ObjectiveWeights
+    sampling: Sampling
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A run with what it was made from.
+
+    Attributes
+    ----------
+    name : what it is called in pictures and tables
+    setup : what was asked for
+    shape : the potential it ran with
+    origin : where alpha, r, p came from, in words
+    run : what came out, at every sampling instant
+    warnings : sentences of the model
+    """
+
+    name: str
+    setup: Setup
+    shape: PotentialParameters
+    origin: str
+    run: Run
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def certificate(self) -> Certificate:
+        """Lemma 1 along the run."""
+        return certify(self.run, self.setup.start.constants, self.setup.sampling.T)
+
+
+def run_case(name: str, setup: Setup, network: ParameterNetwork | None, duration: float = HORIZON) -> Case:
+    """Choose the potential and run the platoon.
+
+    Parameters
+    ----------
+    name : what to call it
+    setup : what to run
+    network : for this number of vehicles, None if there is none
+    duration : [s]
+
+    Raises
+    ------
+    ModelError : as `choose_potential` and `simulate` do
+    """
+    warnings: list[str] = []
+    start, request = setup.start, setup.request
+    shape = choose_potential(start, request, network, setup.weights, setup.sampling, warnings.append)
+    fell_back = bool(warnings)
+    run = simulate(start, shape, weights=setup.weights, sampling=setup.sampling, duration=duration)
+    return Case(name, setup, shape, origin_of(request, network, fell_back), run, tuple(warnings))
+
+
+def origin_of(request: Request, network: ParameterNetwork | None, fell_back: bool) -> str:
+    """Where alpha, r, p came from, in words.
+
+    Parameters
+    ----------
+    request : what was asked for
+    network : what was asked
+    fell_back : whether the network could not be used
+    """
+    if request.old:
+        return "V_old: no hill"
+    if request.source is ParameterSource.FIXED:
+        return "fixed by the user"
+    if fell_back:
+        return "fixed: the fallback, because the network cannot be used here"
+    assert network is not None  # choose_potential has raised otherwise
+    if request.source is ParameterSource.NETWORK:
+        return f"network {network.path.name}, from the initial state"
+    return f"network {network.path.name}, best of {request.rollouts} rollouts from the initial state"
+
+
+def comparison(setup: Setup, network: ParameterNetwork | None) -> dict[str, Setup]:
+    """The four ways to choose a potential, from the same start; without a network, the two that need none.
+
+    Parameters
+    ----------
+    setup : start, weights and sampling of all; its request gives the fixed triple and the number of rollouts
+    network : for this number of vehicles, None if there is none
+    """
+    old, fixed = replace(setup.request, old=True), replace(setup.request, old=False, source=ParameterSource.FIXED)
+    requests = {"V_old": old, "V_new, fixed": fixed}
+    if network is not None:
+        requests["V_new, network"] = replace(fixed, source=ParameterSource.NETWORK)
+        requests["V_new, network and rollout"] = replace(fixed, source=ParameterSource.ROLLOUT)
+    return {name: replace(setup, request=request) for name, request in requests.items()}
+
+
+def figures(case: Case) -> list[Figure]:
+    """The numbers that runs are compared by, and the parameters they ran with.
+
+    Parameters
+    ----------
+    case : the run
+    """
+    shape = case.shape
+    parameters = [Figure("alpha", "1", shape.alpha), Figure("r", "m", shape.r), Figure("p", "1", shape.p)]
+    return figures_of_run(case.run) + parameters

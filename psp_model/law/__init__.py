@@ -1,0 +1,1 @@
+"""The feedback law: potential and feedback."""

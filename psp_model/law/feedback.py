@@ -1,0 +1,127 @@
+"""The feedback law: from gaps and speeds to accelerations."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..namespaces import array_namespace
+from ..parameters import Constants, PotentialShape
+from .potential import potential_slope
+
+
+def f(x: Any, epsilon: Any) -> Any:
+    """The smoothed positive part (paper, eq. of f): 0 below -epsilon, x + epsilon/2 above 0, a parabola between.
+
+    Parameters
+    ----------
+    x : array, acceleration [m/s2]
+    epsilon : width of the smoothing [m/s2]
+
+    Returns
+    -------
+    array like x [m/s2], never below max(x, 0)
+    """
+    xp = array_namespace(x)
+    return xp.maximum(x, 0.0) + _excess(xp.minimum(x, 0.0), epsilon)
+
+
+def _excess(negative: Any, epsilon: Any) -> Any:
+    """f(x) - max(x, 0), between 0 and epsilon/2 [m/s2], from the negative part min(x, 0)."""
+    ramp = array_namespace(negative).maximum(negative + epsilon, 0.0)
+    return ramp * ramp / (2.0 * epsilon)
+
+
+def g(x: Any, constants: Constants) -> Any:
+    """g(x) = v_max f(x) / (v* (v_max - v*)) - x / v* (paper, eq. of g).
+
+    Written as a sum of terms that are each >= 0, so that rounding cannot make a gain smaller than mu (ours):
+    with x = x+ + x- and f = x+ + excess, g = v_max excess / (v* (v_max - v*)) + x+ / (v_max - v*) - x- / v*.
+
+    Parameters
+    ----------
+    x : array, sum of the slopes on a vehicle [m/s2]
+    constants : v_star, v_max, epsilon
+
+    Returns
+    -------
+    array like x [1/s], never negative
+    """
+    xp = array_namespace(x)
+    margin = constants.v_max - constants.v_star
+    negative = xp.minimum(x, 0.0)
+    smooth = constants.v_max * _excess(negative, constants.epsilon) / (constants.v_star * margin)
+    return smooth + xp.maximum(x, 0.0) / margin - negative / constants.v_star
+
+
+def repulsion(s: Any, shape: PotentialShape, constants: Constants) -> Any:
+    """u: the slopes of the potential that act on each vehicle (paper, eq. 2).
+
+    u_1 = -V'(s_2), u_i = V'(s_i) - V'(s_{i+1}), u_n = V'(s_n)
+
+    Parameters
+    ----------
+    s : (n-1, ...) array, gaps [m], leader's first
+
+    Returns
+    -------
+    (n, ...) array [m/s2], leader first
+    """
+    xp = array_namespace(s)
+    slope = potential_slope(s, shape, constants)
+    if s.shape[0] == 0:  # a lone vehicle: nothing acts on it
+        return xp.zeros((1, *s.shape[1:]))
+    return xp.concat([-slope[:1], slope[:-1] - slope[1:], slope[-1:]])
+
+
+def gain(u: Any, constants: Constants) -> Any:
+    """k_i = mu + g(u_i) (paper, eq. 3).
+
+    Parameters
+    ----------
+    u : (n, ...) array from `repulsion` [m/s2]
+
+    Returns
+    -------
+    (n, ...) array [1/s], never below mu
+    """
+    return constants.mu + g(u, constants)
+
+
+def feedback(s: Any, v: Any, shape: PotentialShape, constants: Constants) -> Any:
+    """F_i = -k_i (v_i - v*) + u_i (paper, eq. 2).
+
+    Computed in an equal form without cancellation (ours), from which Theorem 1's signs can be read off:
+    F = -(mu + v_max excess(u) / (v* (v_max - v*))) (v - v*) + u+ (v_max - v) / (v_max - v*) + u- v / v*,
+    which is above 0 at v = 0 and below 0 at v = v_max for every u, however large, also in floating point.
+
+    Parameters
+    ----------
+    s : (n-1, ...) array, gaps [m], all above L
+    v : (n, ...) array, speeds [m/s], in [0, v_max]
+
+    Returns
+    -------
+    (n, ...) array, accelerations [m/s2]
+    """
+    return command(repulsion(s, shape, constants), v, constants)
+
+
+def command(u: Any, v: Any, constants: Constants) -> Any:
+    """F_i from the slopes u_i that act on a vehicle and its speed (paper, eq. 2, in the form that `feedback` gives).
+
+    Parameters
+    ----------
+    u : (n, ...) array from `repulsion` [m/s2]
+    v : (n, ...) array, speeds [m/s], in [0, v_max]
+
+    Returns
+    -------
+    (n, ...) array, accelerations [m/s2]
+    """
+    xp = array_namespace(u)
+    margin = constants.v_max - constants.v_star
+    negative = xp.minimum(u, 0.0)
+    smooth = constants.mu + constants.v_max / (constants.v_star * margin) * _excess(negative, constants.epsilon)
+    pushed = xp.maximum(u, 0.0) * ((constants.v_max - v) / margin)
+    held = negative * (v / constants.v_star)
+    return pushed + held - smooth * (v - constants.v_star)

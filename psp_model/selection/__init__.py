@@ -1,0 +1,1 @@
+"""Which potential a platoon runs with."""

@@ -1,0 +1,150 @@
+"""A leader's speed over time: steady, on a stop-and-go wave, or from a table."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from math import cos, isfinite, pi
+from pathlib import Path
+from typing import Protocol
+
+from ..errors import ModelError
+from ..parameters import PlatoonParameters
+
+
+class LeaderSpeed(Protocol):
+    """Whatever says how fast the leader drives."""
+
+    def speed(self, time: float) -> float:
+        """Speed of the leader [m/s].
+
+        Parameters
+        ----------
+        time : since the start [s]
+        """
+
+
+@dataclass(frozen=True)
+class Wave:
+    """A cosine between two speeds after a while at the higher one (ours).
+
+    Attributes
+    ----------
+    high, low : speeds [m/s]; equal for a leader who never changes his
+    begin : when the first braking begins [s]
+    period : of the wave [s]
+
+    Raises
+    ------
+    ModelError : where a value is not finite, a speed negative or the period not positive
+    """
+
+    high: float = 30.0
+    low: float = 30.0
+    begin: float = 10.0
+    period: float = 40.0
+
+    def __post_init__(self) -> None:
+        for name, unit in (("high", "m/s"), ("low", "m/s"), ("begin", "s"), ("period", "s")):
+            if not isfinite(getattr(self, name)):
+                raise ModelError("finite", name, getattr(self, name), unit)
+        if not 0 <= self.low <= self.high or not self.period > 0:
+            raise ModelError("wave", self.low, self.high, self.period)
+
+    def speed(self, time: float) -> float:
+        """Speed of the leader [m/s].
+
+        Parameters
+        ----------
+        time : since the start [s]
+        """
+        if time < self.begin:
+            return self.high
+        middle, half = 0.5 * (self.high + self.low), 0.5 * (self.high - self.low)
+        return middle + half * cos(2 * pi * (time - self.begin) / self.period)
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Speeds at given times, straight lines between them (ours); before the first and after the last they are held.
+
+    Attributes
+    ----------
+    times : increasing [s]
+    speeds : as many, from 0 to v_max [m/s]
+    name : for messages
+    v_max : largest speed of the state space [m/s]
+
+    Raises
+    ------
+    ModelError : where there are fewer than two rows, a number is not finite, times do not increase or a speed is not in
+        the state space
+    """
+
+    times: Sequence[float]
+    speeds: Sequence[float]
+    name: str = "profile"
+    v_max: float = PlatoonParameters.v_max
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "times", tuple(self.times))
+        object.__setattr__(self, "speeds", tuple(self.speeds))
+        if not len(self.times) == len(self.speeds) >= 2:
+            raise ModelError("profile_rows", self.name, min(len(self.times), len(self.speeds)))
+        for number, (time, speed) in enumerate(zip(self.times, self.speeds, strict=True), start=1):
+            if not isfinite(time):
+                raise ModelError("finite", f"the time in row {number} of {self.name}", time, "s")
+            if not 0 <= speed <= self.v_max:  # which no NaN does
+                raise ModelError("profile_speed", speed, number, self.name, self.v_max)
+        for number, (before, time) in enumerate(pairwise(self.times), start=2):
+            if time <= before:
+                raise ModelError("profile_time", time, number, self.name, before)
+
+    def speed(self, time: float) -> float:
+        """Speed of the leader [m/s].
+
+        Parameters
+        ----------
+        time : since the start [s]
+        """
+        times, speeds = self.times, self.speeds
+        k = bisect_right(times, time)
+        if k in (0, len(times)):
+            return speeds[0] if k == 0 else speeds[-1]
+        share = (time - times[k - 1]) / (times[k] - times[k - 1])
+        return speeds[k - 1] + share * (speeds[k] - speeds[k - 1])
+
+
+def read_profile(path: Path, v_max: float = PlatoonParameters.v_max) -> Profile:
+    """A speed profile from a CSV file: time [s] and speed [m/s] in two columns, below any comments (#) and one heading.
+
+    Time counts from the first row: recorded clocks begin anywhere.
+
+    Parameters
+    ----------
+    path : the file
+    v_max : largest speed of the state space [m/s]
+
+    Raises
+    ------
+    ModelError : where the file cannot be read or is not such a table
+    """
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, ValueError) as error:
+        raise ModelError("profile_file", path.name, getattr(error, "strerror", None) or "not UTF-8 text") from None
+    lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1)]
+    filled = [(number, line) for number, line in lines if line and not line.startswith("#")]
+    rows = []
+    for place, (number, line) in enumerate(filled):
+        try:
+            time, speed = map(float, line.split(","))
+        except ValueError:
+            if place == 0:
+                continue  # the heading
+            raise ModelError("profile_line", number, path.name, line[:40]) from None
+        rows.append((time, speed))
+    found = Profile([time for time, _ in rows], [speed for _, speed in rows], path.name, v_max)
+    return replace(found, times=[time - found.times[0] for time in found.times])
