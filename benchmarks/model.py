@@ -24,7 +24,7 @@ def stepper(n: int, gap: float) -> Callable[[], float]:
     def measure() -> float:
         seconds = 0.0
         for _ in range(segments):
-            platoon = SampledPlatoon(start, BEST_FIXED)
+            platoon = SampledPlatoon.begin(start, BEST_FIXED)
             began = time.perf_counter()
             for period in range(1, SEGMENT + 1):
                 platoon.advance_to(period, 0.0)

@@ -82,33 +82,18 @@ def setup(values: Mapping[str, float], vehicles: int, has_network: bool = True) 
     ModelError : where a value is outside the model's domain
     BadInput : where a selector has no such choice
     """
+    from fmu_src.interface.meaning import constants_of, request_of, sampling_of, start_of, weights_of
     from fmu_src.interface.variables import platoon_table
-    from psp_model import Lemma1Policy, ObjectiveWeights, PlatoonParameters, PlatoonState, PotentialParameters, Sampling
     from psp_model.analysis.cases import Setup
-    from psp_model.selection.choose import ParameterSource, Request
 
     table = platoon_table(vehicles, default_source=1 if has_network else 2)
     read = {row.name: row.start for row in table if row.start is not None} | dict(values)
     for row in table:
         if row.integer:
             _require_choice(row.name, read[row.name], row.minimum, row.maximum)
-    constants = PlatoonParameters(
-        **{key: read["lambda" if key == "lam" else key] for key in PlatoonParameters.__dataclass_fields__}
-    )
-    gaps = [read[f"s_start[{i}]"] for i in range(2, vehicles + 1)]
-    speeds = [read[f"v_start[{i}]"] for i in range(1, vehicles + 1)]
-    return Setup(
-        start=PlatoonState(gaps, speeds, constants, read["x_start"]),  # type: ignore[arg-type]  # it makes arrays itself
-        request=Request(
-            old=read["potential"] == 1,
-            source=ParameterSource(int(read["parameter_source"])),
-            fixed=PotentialParameters(read["alpha_fixed"], read["r_fixed"], read["p_fixed"]),
-            rollouts=int(read["rollout_count"]),
-            horizon=read["rollout_horizon"],
-        ),
-        weights=ObjectiveWeights(**{key: read[key] for key in ObjectiveWeights.__dataclass_fields__}),
-        sampling=Sampling(read["T"], Lemma1Policy(int(read["lemma1_policy"])), int(read["max_short_periods"])),
-    )
+    value, rows = read.__getitem__, {row.name: row for row in table}
+    start = start_of(value, vehicles, constants_of(value))
+    return Setup(start, request_of(value, rows), weights_of(value), sampling_of(value, rows))
 
 
 def _require_choice(name: str, value: float, low: float | None, high: float | None) -> None:

@@ -2,10 +2,11 @@
 
 from .errors import ModelError
 from .law.feedback import feedback
-from .law.potential import potential, potential_slope
-from .parameters import BEST_FIXED, V_OLD, ObjectiveWeights, PlatoonParameters, PotentialParameters
-from .platoon import Lemma1Policy, SampledPlatoon, Sampling
+from .law.potential import BEST_FIXED, V_OLD, PotentialParameters, potential, potential_slope
+from .parameters import ObjectiveWeights, PlatoonParameters
+from .platoon import SampledPlatoon
 from .sampling.lemma1 import largest_period
+from .sampling.policy import Lemma1Policy, Sampling
 from .selection.feasible import max_slope, project, require_feasible
 from .simulate import Run, simulate
 from .state import PlatoonState, StartDomain

@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 
 from .errors import ModelError
 from .law.feedback import feedback
-from .parameters import V_OLD, ObjectiveWeights, PlatoonParameters, PotentialParameters
-from .platoon import Lemma1Policy, Sampling
+from .law.potential import V_OLD, PotentialParameters
+from .parameters import ObjectiveWeights, PlatoonParameters
 from .sampling.lemma1 import largest_period
-from .selection.choose import Request, choose_for_any_number
+from .sampling.policy import Lemma1Policy, Sampling
 from .selection.feasible import require_feasible
 from .selection.network import ParameterNetwork
+from .selection.selectors import Request, choose_for_any_number
 
 Vector = NDArray[np.float64]
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .errors import ModelError
-from .parameters import PotentialParameters
-from .platoon import Lemma1Policy, SampledPlatoon, Vector
+from .law.potential import Potential
+from .platoon import SampledPlatoon
+from .sampling.loop import Vector, Verdict, resample, with_potential
 
 _PROBES = 100  # gaps that are tried for one that would do
 _TRUSTED = 5  # of these, how many are checked with the potential chosen for them
@@ -30,7 +30,7 @@ class Refusal:
     gap: float = np.nan
 
 
-@dataclass
+@dataclass(frozen=True)
 class OpenPlatoon:
     """A platoon whose vehicles change; each change is a sampling instant with parameters chosen anew (ours).
 
@@ -45,16 +45,26 @@ class OpenPlatoon:
 
     platoon: SampledPlatoon
     capacity: int
-    choose: Callable[[Vector, Vector], PotentialParameters]
-    vehicles: tuple[int, ...] = ()
-    joined: int = 0
+    choose: Callable[[Vector, Vector], Potential]
+    vehicles: tuple[int, ...]
+    joined: int
 
-    def __post_init__(self) -> None:
-        if not self.vehicles:
-            self.joined = self.platoon.now.v.size
-            self.vehicles = tuple(range(1, self.joined + 1))
+    @classmethod
+    def begin(
+        cls, platoon: SampledPlatoon, capacity: int, choose: Callable[[Vector, Vector], Potential]
+    ) -> OpenPlatoon:
+        """A platoon that nobody has joined or left yet.
 
-    def insert(self, behind: float, gap: float, speed: float, period: int, fraction: float) -> Refusal | None:
+        Parameters
+        ----------
+        platoon, capacity, choose : as the attributes
+        """
+        n = platoon.now.v.size
+        return cls(platoon, capacity, choose, tuple(range(1, n + 1)), n)
+
+    def insert(
+        self, behind: float, gap: float, speed: float, period: int, fraction: float
+    ) -> tuple[OpenPlatoon, Refusal | None]:
         """Let a vehicle join, if Lemma 1 certifies T for the platoon with it, under any policy.
 
         Parameters
@@ -66,9 +76,9 @@ class OpenPlatoon:
 
         Returns
         -------
-        None, or why it may not; the platoon is then as it was
+        the platoon with it and None, or this platoon and why it may not
         """
-        n, constants = len(self.vehicles), self.platoon.start.constants
+        n, constants = len(self.vehicles), self.platoon.constants
         try:
             place = self._place("insert_behind", behind, 0)
             if n == self.capacity:
@@ -76,16 +86,15 @@ class OpenPlatoon:
             if not 0 <= speed <= constants.v_max:
                 raise ModelError("insert_speed", speed, constants.v_max)
         except ModelError as error:
-            return Refusal(str(error))
+            return self, Refusal(str(error))
         with_it = self._certified(place, gap, speed, period, fraction, True)
         if with_it is None:
-            return self._what_would_do(place, gap, speed, period, fraction)
-        self.platoon = with_it
-        self.joined += 1
-        self.vehicles = (*self.vehicles[:place], self.joined, *self.vehicles[place:])
-        return None
+            return self, self._what_would_do(place, gap, speed, period, fraction)
+        number = self.joined + 1
+        vehicles = (*self.vehicles[:place], number, *self.vehicles[place:])
+        return replace(self, platoon=with_it, joined=number, vehicles=vehicles), None
 
-    def remove(self, place: float, period: int, fraction: float) -> Refusal | None:
+    def remove(self, place: float, period: int, fraction: float) -> tuple[OpenPlatoon, Refusal | None]:
         """Let a vehicle leave; only under policy 1 Lemma 1 may object.
 
         Parameters
@@ -95,25 +104,24 @@ class OpenPlatoon:
 
         Returns
         -------
-        None, or why it may not; the platoon is then as it was
+        the platoon without it and None, or this platoon and why it may not
         """
         try:
             gone = self._place("remove_place", place, 1) - 1
             if len(self.vehicles) == 1:
                 raise ModelError("last")
         except ModelError as error:
-            return Refusal(str(error))
+            return self, Refusal(str(error))
         seen = self.platoon.observe(period, fraction)
         x, v = np.delete(seen.x, gone), np.delete(seen.v, gone)
         s = seen.s[1:] if gone == 0 else seen.s[:-1] if gone == len(self.vehicles) - 1 else _merged(seen.s, gone)
-        trial, shape = copy(self.platoon), self.choose(s, v)
+        shape = self.choose(s, v)
         try:
-            trial.take_over(period, fraction, float(x[0]), s, v, shape)
+            without = self.platoon.take_over(period, fraction, float(x[0]), s, v, shape)
         except ModelError as error:
-            return Refusal(str(error))
-        self.platoon = trial
-        self.vehicles = self.vehicles[:gone] + self.vehicles[gone + 1 :]
-        return None
+            return self, Refusal(str(error))
+        vehicles = self.vehicles[:gone] + self.vehicles[gone + 1 :]
+        return replace(self, platoon=without, vehicles=vehicles), None
 
     def _place(self, name: str, place: float, first: int) -> int:
         if not (first <= place <= len(self.vehicles) and place == int(place)):
@@ -124,7 +132,7 @@ class OpenPlatoon:
         self, place: int, gap: float, speed: float, period: int, fraction: float
     ) -> tuple[float, Vector, Vector] | None:
         """Leader's position, gaps and speeds with one more vehicle; None where a gap would not exceed L."""
-        seen, L = self.platoon.observe(period, fraction), self.platoon.start.constants.L
+        seen, L = self.platoon.observe(period, fraction), self.platoon.constants.L
         v = np.insert(seen.v, place, speed)
         x = float(seen.x[0]) + (gap if place == 0 else 0.0)
         s = np.insert(seen.s, max(place - 1, 0), gap)
@@ -139,19 +147,14 @@ class OpenPlatoon:
         motion = self._with(place, gap, speed, period, fraction)
         if motion is None:
             return None
-        x, s, v = motion
-        trial = copy(self.platoon)
-        trial.warn = lambda sentence: None
-        trial.sampling = replace(trial.sampling, policy=Lemma1Policy.SHORTEN)  # looks, and never raises
-        trial.take_over(period, fraction, x, s, v, self.choose(s, v) if anew else trial.shape)
-        if not trial.now.T_max > trial.sampling.T:
-            return None
-        trial.warn, trial.sampling = self.platoon.warn, self.platoon.sampling
-        return trial
+        _, s, v = motion
+        loop = with_potential(self.platoon.loop, self.choose(s, v)) if anew else self.platoon.loop
+        now, verdict = resample(loop, self.platoon.now, (period, fraction), motion)
+        return replace(self.platoon, loop=loop, now=now) if verdict is Verdict.CERTIFIED else None
 
     def _what_would_do(self, place: int, gap: float, speed: float, period: int, fraction: float) -> Refusal:
         """The refusal of a joining vehicle, with the nearest gap found at which it may join."""
-        constants, T = self.platoon.start.constants, self.platoon.sampling.T
+        constants, T = self.platoon.constants, self.platoon.loop.T
         seen = self.platoon.observe(period, fraction)
         inside = 0 < place < len(self.vehicles)
         room = float(seen.s[place - 1]) - constants.L if inside else constants.L + 5 * constants.lam

@@ -4,14 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .errors import ModelError
+from .law.controller import MakeController, PaperLaw
+from .law.potential import Potential
 from .objective import HORIZON
-from .parameters import ObjectiveWeights, PotentialParameters
-from .platoon import SampledPlatoon, Sampling, locate
+from .parameters import ObjectiveWeights
+from .platoon import SampledPlatoon
+from .sampling.clock import locate
+from .sampling.hold import IDEAL, Plant
+from .sampling.policy import Sampling
 from .state import PlatoonState
 
 
@@ -46,12 +52,14 @@ class Run:
 
 def simulate(
     start: PlatoonState,
-    shape: PotentialParameters,
+    shape: Potential,
     *,
     weights: ObjectiveWeights | None = None,
     sampling: Sampling | None = None,
     duration: float = HORIZON,
     output_step: float | None = None,
+    controller: MakeController = PaperLaw,
+    plant: Plant[Any] = IDEAL,
 ) -> Run:
     """Run a platoon from its initial state.
 
@@ -63,6 +71,8 @@ def simulate(
     sampling : period and policy; T = 0.01 s and errors by default
     duration : [s]
     output_step : time between two outputs [s]; the sampling period by default
+    controller : makes the controller from potential and constants; the paper's law by default
+    plant : what is driven; double integrators by default
 
     Returns
     -------
@@ -78,7 +88,7 @@ def simulate(
         raise ModelError("duration", duration)
     if not 0 < step < inf:
         raise ModelError("output_step", step)
-    platoon = SampledPlatoon(start, shape, weights or ObjectiveWeights(), sampling)
+    platoon = SampledPlatoon.begin(start, shape, weights, sampling, controller=controller, plant=plant)
     times = step * np.arange(locate(duration, step)[0] + 1, dtype=np.float64)
     rows, T_max = [], []
     for time in times:

@@ -2,56 +2,57 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from .errors import ModelError
 from .parameters import PlatoonParameters
 
 
-@dataclass(frozen=True, eq=False)
-class PlatoonState:
-    """Gaps and speeds of n >= 1 vehicles inside the state space Omega (paper, section II), and where the leader is.
+def read_only(values: ArrayLike) -> NDArray[np.float64]:
+    """A copy of numbers as a float64 array that nobody can write to (ours).
 
-    Attributes
+    Parameters
     ----------
-    s : (n-1,) array, gaps [m], leader's first; above L
-    v : (n,) array, speeds [m/s], leader first; in [0, v_max]
-    constants : the constants that Omega depends on
-    x_leader : position of vehicle 1 [m]
+    values : numbers, a list or an array
 
     Raises
     ------
-    ModelError : where shapes disagree or a value is not finite or outside Omega, naming the vehicle
+    ValueError : where they do not make an array
+    """
+    array = np.array(values, dtype=np.float64)
+    array.flags.writeable = False
+    return array
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class PlatoonState:
+    """Spacings and speeds of n >= 1 vehicles (paper, section II), and where the leader is.
+
+    Lists and tuples are taken, too.  `validate` checks that the state lies in the state space Omega.
+
+    Attributes
+    ----------
+    s : (n-1,) array, spacings [m], that behind the leader first; read-only
+    v : (n,) array, speeds [m/s], leader first; read-only
+    constants : the constants that Omega depends on
+    x_leader : position of vehicle 1 [m]
     """
 
     s: NDArray[np.float64]
     v: NDArray[np.float64]
-    constants: PlatoonParameters = field(default_factory=PlatoonParameters)
-    x_leader: float = 0.0
+    constants: PlatoonParameters
+    x_leader: float
 
-    def __post_init__(self) -> None:
-        s, v = np.array(self.s, dtype=float), np.array(self.v, dtype=float)
-        object.__setattr__(self, "s", s)
-        object.__setattr__(self, "v", v)
-        if s.ndim != 1 or v.ndim != 1 or s.size != v.size - 1:
-            raise ModelError("shape", s.size, v.size)
-        if not np.isfinite(self.x_leader):
-            raise ModelError("finite", "x_start", self.x_leader, "m")
-        for i, gap in enumerate(s, start=2):
-            _require(np.isfinite(gap), "finite", f"s_start[{i}]", gap, "m")
-            _require(gap > self.constants.L, "gap", i, gap, self.constants.L)
-        for i, speed in enumerate(v, start=1):
-            _require(np.isfinite(speed), "finite", f"v_start[{i}]", speed, "m/s")
-            _require(0 <= speed <= self.constants.v_max, "speed", i, speed, self.constants.v_max, i)
-
-
-def _require(holds: Any, key: str, *values: object) -> None:
-    if not holds:
-        raise ModelError(key, *values)
+    def __init__(
+        self, s: ArrayLike, v: ArrayLike, constants: PlatoonParameters | None = None, x_leader: float = 0.0
+    ) -> None:
+        object.__setattr__(self, "s", read_only(s))
+        object.__setattr__(self, "v", read_only(v))
+        object.__setattr__(self, "constants", constants or PlatoonParameters())
+        object.__setattr__(self, "x_leader", x_leader)
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from psp_model.law.potential import PotentialParameters
 from psp_model.objective import HORIZON
-from psp_model.parameters import ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN, ObjectiveWeights, PotentialParameters
-from psp_model.platoon import Sampling
+from psp_model.parameters import ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN, ObjectiveWeights
+from psp_model.sampling.policy import Sampling
 from psp_model.selection.feasible import slope_within_limit
 from psp_model.selection.rollout import rollout_costs
 from psp_model.state import PlatoonState

@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from psp_model.law.potential import potential, potential_slope
-from psp_model.parameters import HILL_WIDTH, PlatoonParameters, PotentialParameters
+from psp_model.law.potential import PotentialParameters, potential, potential_slope
+from psp_model.parameters import HILL_WIDTH, PlatoonParameters
 
 from .style import LINE_STYLES, RC, caption, colours, new_figure
 

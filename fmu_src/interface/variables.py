@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import cycle, islice
 
+from psp_model.law.potential import BEST_FIXED
 from psp_model.objective import HORIZON
-from psp_model.parameters import ALPHA_MAX, ALPHA_MIN, BEST_FIXED, P_MAX, P_MIN, ObjectiveWeights, PlatoonParameters
-from psp_model.platoon import Sampling
+from psp_model.parameters import ALPHA_MAX, ALPHA_MIN, P_MAX, P_MIN, ObjectiveWeights, PlatoonParameters
+from psp_model.sampling.policy import Sampling
 
 FIRST_GAPS = (10.0, 9.4, 11.2, 9.0, 10.6, 8.8)  # [m] start values, repeated down the platoon; inside the paper's ranges
 FIRST_SPEEDS = (30.0, 31.5, 28.5, 29.5, 32.0, 28.0, 30.5)  # [m/s] likewise

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from types import SimpleNamespace
 from typing import Any
 
 import casadi
 
 from psp_model.law.feedback import command
-from psp_model.law.potential import on_hill, potential_slope
+from psp_model.law.potential import PotentialParameters, on_hill, potential_slope
 from psp_model.objective import acceleration_cost, gap_cost
+from psp_model.parameters import ObjectiveWeights, PlatoonParameters, generic
 from psp_model.sampling.hold import advance, gaps_after, travelled
 from psp_model.sampling.lemma1 import period_bounds
 from psp_model.selection.feasible import cell_bound
@@ -119,9 +119,9 @@ def _with_tangent(name: str, inputs: Symbols, output: Any) -> str:
 
 def _potential_kernels() -> str:
     s, b, alpha, r, p, hill, L, lam = inputs = _symbols("s b alpha r p hill L lam")
-    constants = SimpleNamespace(L=L, lam=lam)
-    shape = SimpleNamespace(alpha=alpha, r=r, p=p, hill=hill)
-    flat = SimpleNamespace(alpha=alpha, r=0.0, p=3.0, hill=0.0)
+    constants = generic(PlatoonParameters, L=L, lam=lam)
+    shape = generic(PotentialParameters, alpha=alpha, r=r, p=p, hill=hill)
+    flat = generic(PotentialParameters, alpha=alpha, r=0.0, p=3.0, hill=0.0)
     slope, of_slope = potential_slope(s, shape, constants), [s, alpha, r, p, hill, L, lam]
     return (
         _inline("on_hill", [s, r], [on_hill(s, shape)])
@@ -134,9 +134,9 @@ def _potential_kernels() -> str:
 
 def _feedback_kernels() -> str:
     u, v, v_star, v_max, epsilon, mu = inputs = _symbols("u v v_star v_max epsilon mu")
-    commanded = command(u, v, SimpleNamespace(v_star=v_star, v_max=v_max, epsilon=epsilon, mu=mu))
+    commanded = command(u, v, generic(PlatoonParameters, v_star=v_star, v_max=v_max, epsilon=epsilon, mu=mu))
     s, a, L = _symbols("s a L")
-    of_gap, of_speed = period_bounds(s, v, a, SimpleNamespace(L=L, v_max=v_max))
+    of_gap, of_speed = period_bounds(s, v, a, generic(PlatoonParameters, L=L, v_max=v_max))
     return (
         _inline("command", inputs, [commanded])
         + _inline("gap_bound", [s, L, v_max], [of_gap])
@@ -152,7 +152,7 @@ def _motion_kernels() -> str:
     gap = gaps_after(s, casadi.vertcat(moved_front, moved))
     speed = advance(s, casadi.vertcat(v, v), casadi.vertcat(a, a), tau)[1][1]
     squares, gaps, dv, da, w1, w2, a_ref, s_ref = _symbols("squares gaps dv da w1 w2 a_ref s_ref")
-    weights = SimpleNamespace(w1=w1, w2=w2, a_ref=a_ref, s_ref=s_ref)
+    weights = generic(ObjectiveWeights, w1=w1, w2=w2, a_ref=a_ref, s_ref=s_ref)
     return (
         _inline("gap_after", [s, moved_front, moved], [gap])
         + _inline("speed_after", [v, a, tau], [speed])

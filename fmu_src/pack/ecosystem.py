@@ -16,10 +16,11 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 from fmpy import read_model_description, simulate_fmu
 
-from psp_model import ModelError, ObjectiveWeights, PlatoonState, Sampling, simulate
-from psp_model.selection.choose import ParameterSource, Request, choose_potential
+from psp_model import ModelError, simulate
 from psp_model.selection.network import ParameterNetwork
+from psp_model.selection.selectors import select_for
 
+from ..interface.meaning import constants_of, request_of, sampling_of, start_of, weights_of
 from ..interface.variables import Variable, platoon_table
 from .ssp import SystemComponent, parameter_set, write_ssp, xml_file
 
@@ -162,17 +163,15 @@ def reference_results(table: Sequence[Variable], network: ParameterNetwork | Non
     found = {}
     for name in SCENARIOS:
         values = scenario_values(table, name)
-        gaps = np.array([value for key, value in values.items() if key.startswith("s_start[")])
-        speeds = np.array([value for key, value in values.items() if key.startswith("v_start[")])
-        start = PlatoonState(gaps, speeds)
-        source = ParameterSource(int(values["parameter_source"]))
-        request = Request(old=values["potential"] == 1, source=source)
-        shape = choose_potential(start, request, network, ObjectiveWeights(), Sampling(), lambda sentence: None)
+        n, read = sum(key.startswith("v_start[") for key in values), values.__getitem__
+        rows = {row.name: row for row in table}
+        weights, sampling = weights_of(read), sampling_of(read, rows)
+        start = start_of(read, n, constants_of(read))
+        shape = select_for(start, request_of(read, rows), network, weights, sampling).potential
         try:
-            run = simulate(start, shape, duration=STOP_TIME, output_step=0.1)
+            run = simulate(start, shape, weights=weights, sampling=sampling, duration=STOP_TIME, output_step=0.1)
         except ModelError:
             continue
-        n = speeds.size
         names = ["time", f"x[{n}]", "v[1]", f"v[{n}]", f"a[{n}]", "s[2]", f"s[{n}]", "T_max", "J"]
         columns = [run.time, run.x[:, -1], run.v[:, 0], run.v[:, -1], run.a[:, -1], run.s[:, 0], run.s[:, -1]]
         found[name] = _csv(names, np.column_stack([*columns, run.T_max, run.cost.sum(axis=1)]), "%.10g")

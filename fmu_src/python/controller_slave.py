@@ -12,8 +12,8 @@ import numpy as np
 
 from psp_model.controller import BadMeasurement, Command, ControllerSettings, Measurement, SampledController
 from psp_model.errors import ModelError
-from psp_model.parameters import PotentialParameters
-from psp_model.platoon import TIME_TOLERANCE, locate
+from psp_model.law.potential import PotentialParameters
+from psp_model.sampling.clock import TIME_TOLERANCE, locate
 from psp_model.selection.network import read_networks
 
 from ..interface.controller_variables import controller_table

@@ -8,9 +8,12 @@ import numpy as np
 
 from psp_model.errors import ModelError
 from psp_model.parameters import PlatoonParameters
-from psp_model.platoon import Sampling, locate
+from psp_model.sampling.clock import locate
+from psp_model.sampling.hold import Motion
+from psp_model.sampling.policy import Sampling
 from psp_model.state import PlatoonState
-from psp_model.vehicles.ideal import IdealPlant, Motion
+from psp_model.validate import validate
+from psp_model.vehicles.ideal import IdealPlant
 
 from ..interface.controller_variables import plant_table
 from ..interface.variables import Variable
@@ -30,8 +33,8 @@ class PspPlant(TableSlave):
     def _initialise(self) -> IdealPlant:
         n, free = self.vehicles, PlatoonParameters(L=1e-9, lam=1e6, v_star=1.0, v_max=1e6)  # nothing but motion forward
         gaps, speeds = np.array(self._numbers("s_start", 2, n)), np.array(self._numbers("v_start", 1, n))
-        start = PlatoonState(gaps, speeds, free, self._value("x_start"))
-        return IdealPlant.begin(start, Sampling(self._value("T")).T)
+        start = validate(PlatoonState(gaps, speeds, free, self._value("x_start")))
+        return IdealPlant.begin(start, validate(Sampling(self._value("T"))).T)
 
     @logged
     def do_step(self, current_time: float, step_size: float) -> bool:

@@ -16,14 +16,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from psp_model.errors import ModelError
+from psp_model.law.potential import PotentialParameters
 from psp_model.membership import OpenPlatoon, Refusal
-from psp_model.parameters import PlatoonParameters, PotentialParameters
-from psp_model.platoon import SampledPlatoon, locate
-from psp_model.selection.choose import ParameterSource, choose_for_any_number, outside_domain
+from psp_model.parameters import PlatoonParameters
+from psp_model.platoon import SampledPlatoon
+from psp_model.sampling.clock import locate
+from psp_model.sampling.policy import Sampling
 from psp_model.selection.feasible import require_feasible
 from psp_model.selection.network import read_networks
-from psp_model.state import PlatoonState, StartDomain
+from psp_model.selection.selectors import Selector, outside_domain, selector_for
+from psp_model.state import StartDomain
 
+from ..interface.meaning import constants_of, start_of, weights_of
 from ..interface.variables import Variable, platoon_table
 from .slave_state import Members, SlaveState, from_bytes, to_bytes
 from .table_slave import LONGEST, TableSlave, logged
@@ -61,29 +65,29 @@ class PspPlatoon(TableSlave):
 
     def _initialise(self) -> SampledPlatoon:
         """The platoon that the parameters describe, at its first sampling instant."""
-        n, constants, weights, sampling = self._chosen("n_start"), self._constants(), self._weights(), self._sampling()
-        gaps, speeds = np.array(self._numbers("s_start", 2, n)), np.array(self._numbers("v_start", 1, n))
-        start = PlatoonState(gaps, speeds, constants, self._value("x_start"))
+        n, sampling = self._chosen("n_start"), self._sampling()
+        start = start_of(self._value, n, constants_of(self._value))
         request = self._request()
-        if not request.old and request.source is not ParameterSource.FIXED:
+        if request.asks_network:
             if not self._networks:
                 raise ModelError("no_network", n)
-            require_feasible(request.fixed, constants)  # or a later change could find no potential at all
-        shape = self._choose(start.s, start.v, self._warn)
-        platoon = SampledPlatoon(start, shape, weights, sampling, self._warn)
+            require_feasible(request.fixed, start.constants)  # or a later change could find no potential at all
+        selection = self._selector(sampling).select(start.s, start.v, start.constants)
+        if selection.warning:
+            self._warn(selection.warning)
+        platoon = SampledPlatoon.begin(start, selection.potential, weights_of(self._value), sampling, self._warn)
         self._in_domain = self._lies_in_domain(platoon)
         self._become(Members(tuple(range(1, n + 1)), n))
         return platoon
 
-    def _choose(self, s: Vector, v: Vector, warn: Callable[[str], None]) -> PotentialParameters:
-        """The potential for vehicles that have just come together."""
-        how = (self._request(), self._networks, self._weights(), self._sampling(), warn)
-        return choose_for_any_number(s, v, self._constants(), *how)[0]
+    def _selector(self, sampling: Sampling) -> Selector:
+        """Who selects the potential for vehicles that have just come together."""
+        return selector_for(self._request(), self._networks, weights_of(self._value), sampling)
 
     def _lies_in_domain(self, platoon: SampledPlatoon) -> float:
         """1.0 if there is a network for so many vehicles and they are in its training domain, else 0.0."""
         now, trained = platoon.now, self._trained.get(platoon.now.v.size)
-        return float(trained is not None and outside_domain(now.s, now.v, platoon.start.constants, *trained) is None)
+        return float(trained is not None and outside_domain(now.s, now.v, platoon.constants, *trained) is None)
 
     # joining and leaving
 
@@ -101,25 +105,27 @@ class PspPlatoon(TableSlave):
             self._make(lambda road: road.insert(behind, gap, speed, *at))
         self._become(replace(self._members, insert=insert, remove=remove))
 
-    def _make(self, change: Callable[[OpenPlatoon], Refusal | None]) -> None:
+    def _make(self, change: Callable[[OpenPlatoon], tuple[OpenPlatoon, Refusal | None]]) -> None:
         """Make a change or note why not."""
-        assert self._part is not None
-        members = self._members
-        heard: list[str] = []
+        platoon = self._part
+        assert platoon is not None
+        members, selector, warning = self._members, self._selector(platoon.sampling), None
 
         def choose(s: Vector, v: Vector) -> PotentialParameters:
-            heard.clear()  # what an earlier trial was warned of does not count
-            return self._choose(s, v, heard.append)
+            nonlocal warning
+            selection = selector.select(s, v, platoon.constants)
+            warning = selection.warning  # what an earlier trial was warned of does not count
+            return selection.potential
 
-        road = OpenPlatoon(self._part, self.vehicles, choose, members.vehicles, members.joined)
-        refused = change(road)
+        road = OpenPlatoon(platoon, self.vehicles, choose, members.vehicles, members.joined)
+        road, refused = change(road)
         if refused:
             self._warn(refused.sentence)
             counted = replace(members, gap_offered=float(np.nan_to_num(refused.gap)), refusals=members.refusals + 1)
             self._become(replace(counted, change_ok=0.0))
             return
-        for sentence in heard:
-            self._warn(sentence)
+        if warning:
+            self._warn(warning)
         self._part, self._in_domain = road.platoon, self._lies_in_domain(road.platoon)
         counted = replace(members, vehicles=road.vehicles, joined=road.joined, changes=members.changes + 1)
         self._become(replace(counted, change_ok=1.0))
@@ -153,6 +159,7 @@ class PspPlatoon(TableSlave):
     def _reported(self, platoon: SampledPlatoon, cost: list[float]) -> list[float]:
         """The outputs behind the motion, in the order of the table."""
         now, shape = platoon.now, platoon.shape
+        assert isinstance(shape, PotentialParameters)
         of_acceleration, of_gaps = cost
         reports = (shape.alpha, shape.r, shape.p, self._in_domain, min(now.T_max, LONGEST))
         lemma1 = (float(now.T_max > platoon.sampling.T), float(now.violations))

@@ -8,9 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from psp_model.parameters import ObjectiveWeights, PlatoonParameters, PotentialParameters
-from psp_model.platoon import Instant, Lemma1Policy, SampledPlatoon, Sampling
-from psp_model.state import PlatoonState
+from psp_model.law.controller import PaperLaw
+from psp_model.law.potential import PotentialParameters
+from psp_model.parameters import ObjectiveWeights, PlatoonParameters
+from psp_model.platoon import SampledPlatoon
+from psp_model.sampling.hold import Motion
+from psp_model.sampling.loop import Instant, Loop
+from psp_model.sampling.policy import Lemma1Policy, Sampling
+
+_PLAIN = ("period", "fraction", "a", "T_max", "span", "violations", "cost")  # fields of an Instant that JSON can hold
 
 
 @dataclass(frozen=True)
@@ -97,29 +103,27 @@ def from_bytes(data: bytes) -> SlaveState:
 
 
 def _pack(platoon: SampledPlatoon) -> dict[str, Any]:
-    start, now = platoon.start, platoon.now
+    now, shape = platoon.now, platoon.shape
+    assert isinstance(shape, PotentialParameters)
     return {
-        "constants": asdict(start.constants),
-        "start": {"s": start.s.tolist(), "v": start.v.tolist(), "x_leader": start.x_leader},
-        "shape": asdict(platoon.shape),
+        "constants": asdict(platoon.constants),
+        "shape": asdict(shape),
         "weights": asdict(platoon.weights),
         "sampling": asdict(platoon.sampling),
+        "vehicles": {"x": now.x, "s": now.s.tolist(), "v": now.v.tolist()},
         "now": {
-            name: value.tolist() if isinstance(value := getattr(now, name), np.ndarray) else value
-            for name in Instant.__dataclass_fields__
+            name: value.tolist() if isinstance(value := getattr(now, name), np.ndarray) else value for name in _PLAIN
         },
     }
 
 
 def _unpack(packed: dict[str, Any]) -> SampledPlatoon:
-    sampling = packed["sampling"] | {"policy": Lemma1Policy(packed["sampling"]["policy"])}
+    sampling = Sampling(**(packed["sampling"] | {"policy": Lemma1Policy(packed["sampling"]["policy"])}))
+    vehicles = packed["vehicles"]
+    motion = Motion(vehicles["x"], np.array(vehicles["s"]), np.array(vehicles["v"]))
     now: dict[str, Any] = {
         name: np.array(value) if isinstance(value, list) else value for name, value in packed["now"].items()
     }
-    return SampledPlatoon.resume(
-        PlatoonState(constants=PlatoonParameters(**packed["constants"]), **packed["start"]),
-        PotentialParameters(**packed["shape"]),
-        ObjectiveWeights(**packed["weights"]),
-        Sampling(**sampling),
-        Instant(**now),
-    )
+    law = PaperLaw(PotentialParameters(**packed["shape"]), PlatoonParameters(**packed["constants"]))
+    loop = Loop(law, ObjectiveWeights(**packed["weights"]), sampling.T, sampling.policy == Lemma1Policy.SHORTEN)
+    return SampledPlatoon(loop, sampling, Instant(vehicles=motion, **now))

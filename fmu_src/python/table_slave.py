@@ -17,10 +17,10 @@ from pythonfmu.enums import Fmi2Status
 from pythonfmu.fmi2slave import Fmi2Slave
 
 from psp_model.errors import ModelError
-from psp_model.parameters import ObjectiveWeights, PlatoonParameters, PotentialParameters
-from psp_model.platoon import Lemma1Policy, Sampling
-from psp_model.selection.choose import ParameterSource, Request
+from psp_model.sampling.policy import Sampling
+from psp_model.selection.selectors import Request
 
+from ..interface.meaning import choice_of, request_of, sampling_of
 from ..interface.variables import Variable
 
 CONFIG = "platoon.json"  # what build_fmu.py decided: how many vehicles, which networks
@@ -58,6 +58,7 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         self._config: dict[str, Any] = json.loads((resources / CONFIG).read_text(encoding="utf-8"))
         self.vehicles: int = self._config["vehicles"]
         self._table = self._make_table()
+        self._rows = {variable.name: variable for variable in self._table}
         self._place = {variable.name: place for place, variable in enumerate(self._table)}
         self._values: list[float] = [0.0 if row.start is None else row.start for row in self._table]
         self._first_output = next(place for place, row in enumerate(self._table) if row.start is None)
@@ -167,38 +168,13 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
 
     def _chosen(self, name: str) -> int:
         """An Integer parameter, checked against the bounds in its row."""
-        row, value = self._table[self._place[name]], int(self._value(name))
-        low, high = int(row.minimum or 0), row.maximum
-        if high is None and value < low:
-            raise ModelError("count", name, value)
-        if high is not None and not low <= value <= high:
-            raise ModelError("choice", name, value, low, int(high))
-        return value
-
-    def _constants(self) -> PlatoonParameters:
-        names = {"lam": "lambda"}
-        return PlatoonParameters(
-            **{key: self._value(names.get(key, key)) for key in PlatoonParameters.__dataclass_fields__}
-        )
-
-    def _weights(self) -> ObjectiveWeights:
-        return ObjectiveWeights(**{key: self._value(key) for key in ObjectiveWeights.__dataclass_fields__})
+        return choice_of(self._rows[name], self._value(name))
 
     def _sampling(self) -> Sampling:
-        policy = Lemma1Policy(self._chosen("lemma1_policy"))
-        if "max_short_periods" in self._place:
-            return Sampling(self._value("T"), policy, self._chosen("max_short_periods"))
-        return Sampling(self._value("T"), policy)
+        return sampling_of(self._value, self._rows)
 
     def _request(self) -> Request:
-        read = self._value
-        return Request(
-            old=self._chosen("potential") == 1,
-            source=ParameterSource(self._chosen("parameter_source")),
-            fixed=PotentialParameters(read("alpha_fixed"), read("r_fixed"), read("p_fixed")),
-            rollouts=self._chosen("rollout_count"),
-            horizon=read("rollout_horizon"),
-        )
+        return request_of(self._value, self._rows)
 
     @property
     def _warn(self) -> Callable[[str], None]:

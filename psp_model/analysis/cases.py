@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from psp_model.law.potential import PotentialParameters
 from psp_model.objective import HORIZON
-from psp_model.parameters import ObjectiveWeights, PotentialParameters
-from psp_model.platoon import Sampling
-from psp_model.selection.choose import ParameterSource, Request, choose_potential
+from psp_model.parameters import ObjectiveWeights
+from psp_model.sampling.policy import Sampling
 from psp_model.selection.network import ParameterNetwork
+from psp_model.selection.selectors import ParameterSource, Request, select_for
 from psp_model.simulate import Run, simulate
 from psp_model.state import PlatoonState
 
@@ -73,14 +74,14 @@ def run_case(name: str, setup: Setup, network: ParameterNetwork | None, duration
 
     Raises
     ------
-    ModelError : as `choose_potential` and `simulate` do
+    ModelError : as `select_for` and `simulate` do
     """
-    warnings: list[str] = []
     start, request = setup.start, setup.request
-    shape = choose_potential(start, request, network, setup.weights, setup.sampling, warnings.append)
-    fell_back = bool(warnings)
+    selection = select_for(start, request, network, setup.weights, setup.sampling)
+    shape, fell_back = selection.potential, selection.warning is not None
     run = simulate(start, shape, weights=setup.weights, sampling=setup.sampling, duration=duration)
-    return Case(name, setup, shape, origin_of(request, network, fell_back), run, tuple(warnings))
+    warnings = (selection.warning,) if selection.warning else ()
+    return Case(name, setup, shape, origin_of(request, network, fell_back), run, warnings)
 
 
 def origin_of(request: Request, network: ParameterNetwork | None, fell_back: bool) -> str:
@@ -98,7 +99,7 @@ def origin_of(request: Request, network: ParameterNetwork | None, fell_back: boo
         return "fixed by the user"
     if fell_back:
         return "fixed: the fallback, because the network cannot be used here"
-    assert network is not None  # choose_potential has raised otherwise
+    assert network is not None  # select_for has raised otherwise
     if request.source is ParameterSource.NETWORK:
         return f"network {network.path.name}, from the initial state"
     return f"network {network.path.name}, best of {request.rollouts} rollouts from the initial state"

@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from psp_model.errors import ModelError
+from psp_model.law.potential import PotentialParameters
 from psp_model.objective import HORIZON
-from psp_model.parameters import ObjectiveWeights, PlatoonParameters, PotentialParameters
-from psp_model.platoon import Lemma1Policy, SampledPlatoon, Sampling
+from psp_model.parameters import PlatoonParameters
+from psp_model.platoon import SampledPlatoon
 from psp_model.sampling.lemma1 import period_bounds
+from psp_model.sampling.policy import Lemma1Policy, Sampling
 from psp_model.simulate import Run
 from psp_model.state import PlatoonState
 
@@ -111,7 +113,7 @@ def largest_certified_period(
     -------
     the period [s]
     """
-    above = SampledPlatoon(start, shape, sampling=Sampling(policy=Lemma1Policy.WARN)).now.T_max
+    above = SampledPlatoon.begin(start, shape, sampling=Sampling(policy=Lemma1Policy.WARN)).now.T_max
     below = above
     while not holds_throughout(start, shape, below, duration):
         above, below = below, 0.5 * below
@@ -134,7 +136,7 @@ def holds_throughout(start: PlatoonState, shape: PotentialParameters, T: float, 
     duration : of the run [s]
     """
     try:
-        platoon = SampledPlatoon(start, shape, ObjectiveWeights(), Sampling(T, Lemma1Policy.ERROR))
+        platoon = SampledPlatoon.begin(start, shape, sampling=Sampling(T, Lemma1Policy.ERROR))
         platoon.advance_to(int(duration / T), 0.0)
     except ModelError as error:
         if not error.key.startswith("lemma1"):

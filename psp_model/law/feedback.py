@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from ..namespaces import array_namespace
-from ..parameters import Constants, PotentialShape
-from .potential import potential_slope
+from ..parameters import PlatoonParameters
+from .potential import Potential
 
 
 def f(x: Any, epsilon: Any) -> Any:
@@ -31,7 +31,7 @@ def _excess(negative: Any, epsilon: Any) -> Any:
     return ramp * ramp / (2.0 * epsilon)
 
 
-def g(x: Any, constants: Constants) -> Any:
+def g(x: Any, constants: PlatoonParameters) -> Any:
     """g(x) = v_max f(x) / (v* (v_max - v*)) - x / v* (paper, eq. of g).
 
     Written as a sum of terms that are each >= 0, so that rounding cannot make a gain smaller than mu (ours):
@@ -53,7 +53,7 @@ def g(x: Any, constants: Constants) -> Any:
     return smooth + xp.maximum(x, 0.0) / margin - negative / constants.v_star
 
 
-def repulsion(s: Any, shape: PotentialShape, constants: Constants) -> Any:
+def repulsion(s: Any, shape: Potential, constants: PlatoonParameters) -> Any:
     """u: the slopes of the potential that act on each vehicle (paper, eq. 2).
 
     u_1 = -V'(s_2), u_i = V'(s_i) - V'(s_{i+1}), u_n = V'(s_n)
@@ -67,13 +67,13 @@ def repulsion(s: Any, shape: PotentialShape, constants: Constants) -> Any:
     (n, ...) array [m/s2], leader first
     """
     xp = array_namespace(s)
-    slope = potential_slope(s, shape, constants)
+    slope = shape.slope(s, constants)
     if s.shape[0] == 0:  # a lone vehicle: nothing acts on it
         return xp.zeros((1, *s.shape[1:]))
     return xp.concat([-slope[:1], slope[:-1] - slope[1:], slope[-1:]])
 
 
-def gain(u: Any, constants: Constants) -> Any:
+def gain(u: Any, constants: PlatoonParameters) -> Any:
     """k_i = mu + g(u_i) (paper, eq. 3).
 
     Parameters
@@ -87,7 +87,7 @@ def gain(u: Any, constants: Constants) -> Any:
     return constants.mu + g(u, constants)
 
 
-def feedback(s: Any, v: Any, shape: PotentialShape, constants: Constants) -> Any:
+def feedback(s: Any, v: Any, shape: Potential, constants: PlatoonParameters) -> Any:
     """F_i = -k_i (v_i - v*) + u_i (paper, eq. 2).
 
     Computed in an equal form without cancellation (ours), from which Theorem 1's signs can be read off:
@@ -106,7 +106,7 @@ def feedback(s: Any, v: Any, shape: PotentialShape, constants: Constants) -> Any
     return command(repulsion(s, shape, constants), v, constants)
 
 
-def command(u: Any, v: Any, constants: Constants) -> Any:
+def command(u: Any, v: Any, constants: PlatoonParameters) -> Any:
     """F_i from the slopes u_i that act on a vehicle and its speed (paper, eq. 2, in the form that `feedback` gives).
 
     Parameters

@@ -2,13 +2,103 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Protocol
+
+import numpy as np
 
 from ..namespaces import array_namespace
-from ..parameters import HILL_WIDTH, Constants, PotentialShape
+from ..parameters import HILL_WIDTH, PlatoonParameters
 
 
-def _hill_parts(s: Any, shape: PotentialShape) -> tuple[Any, Any, Any, Any]:
+class Potential(Protocol):
+    """What the law needs of a potential; `PotentialParameters` is the paper's family (ours).
+
+    A dataclass or named tuple whose fields are its parameters does: the fields may be numbers, arrays or symbols that
+    broadcast with the spacings, so that one object stands for a whole batch of potentials in rollouts.
+    """
+
+    def value(self, s: Any, constants: PlatoonParameters) -> Any:
+        """V(s).
+
+        Parameters
+        ----------
+        s : (n-1, ...) array, spacings [m], all above L
+        constants : of the model
+
+        Returns
+        -------
+        (n-1, ...) array [m2/s2]
+        """
+
+    def slope(self, s: Any, constants: PlatoonParameters) -> Any:
+        """V'(s); below 0 it pushes the two vehicles apart.
+
+        Parameters
+        ----------
+        s : (n-1, ...) array, spacings [m], all above L
+        constants : of the model
+
+        Returns
+        -------
+        (n-1, ...) array [m/s2]
+        """
+
+
+@dataclass(frozen=True)
+class PotentialParameters:
+    """One potential out of the family V_new (paper, eq. of V_new); V_old is the member without a hill.
+
+    Each field is a number, or an array or symbol that broadcasts with the spacings.  Whether a triple lies in the
+    feasible set depends on the constants and is the business of `selection.feasible.require_feasible`.
+
+    Attributes
+    ----------
+    alpha : scale of the repulsion [1]
+    r : where the hill begins; it ends at r + 3 m [m]
+    p : exponent of the hill [1]
+    hill : 1 with the hill (V_new), 0 without (V_old) [1]
+    """
+
+    alpha: float
+    r: float
+    p: float
+    hill: float = 1.0
+
+    def value(self, s: Any, constants: PlatoonParameters) -> Any:
+        """V(s), see `potential`."""
+        return potential(s, self, constants)
+
+    def slope(self, s: Any, constants: PlatoonParameters) -> Any:
+        """V'(s), see `potential_slope`."""
+        return potential_slope(s, self, constants)
+
+
+V_OLD = PotentialParameters(alpha=1.0, r=0.0, p=0.0, hill=0.0)
+"""The paper's V_old: alpha = 1 and no hill, so r and p mean nothing and are 0."""
+
+BEST_FIXED = PotentialParameters(alpha=1e-3, r=11.0, p=5.5)
+"""The fixed triple that serves 7 vehicles best on average (ours, measured); the fallback of the network."""
+
+
+def stacked(potentials: Sequence[Potential]) -> Any:
+    """K potentials of one family as one whose parameters are (K,) arrays, for batches along the last axis (ours).
+
+    Parameters
+    ----------
+    potentials : all of one class, a dataclass or named tuple of numbers
+
+    Returns
+    -------
+    an object of that class
+    """
+    family: Any = type(potentials[0])
+    names = family._fields if hasattr(family, "_fields") else [field.name for field in fields(family)]
+    return family(**{name: np.array([getattr(one, name) for one in potentials]) for name in names})
+
+
+def _hill_parts(s: Any, shape: PotentialParameters) -> tuple[Any, Any, Any, Any]:
     """Depth t = s - r into the hill, q = (3 - t) t, q^(p-1), and whether s is on the hill.
 
     Off the hill the base of the power is replaced by 1, so that no library meets 0^x or a negative base, not even in
@@ -22,7 +112,7 @@ def _hill_parts(s: Any, shape: PotentialShape) -> tuple[Any, Any, Any, Any]:
     return t, q, q ** (shape.p - 1.0), on_hill
 
 
-def on_hill(s: Any, shape: PotentialShape) -> Any:
+def on_hill(s: Any, shape: PotentialParameters) -> Any:
     """Whether s lies on the hill, r < s < r + 3 m; off the hill the potential needs no power (ours).
 
     Parameters
@@ -36,7 +126,7 @@ def on_hill(s: Any, shape: PotentialShape) -> Any:
     return _hill_parts(s, shape)[3]
 
 
-def potential(s: Any, shape: PotentialShape, constants: Constants) -> Any:
+def potential(s: Any, shape: PotentialParameters, constants: PlatoonParameters) -> Any:
     """V(s) = alpha (lambda - s)^3 / (s - L) + ((r + 3 - s)(s - r))^p / (s - L)^2.
 
     The first term holds for s < lambda, the second on the hill, r <= s < r + 3 (paper, eq. of V_new; its last case is
@@ -59,7 +149,7 @@ def potential(s: Any, shape: PotentialShape, constants: Constants) -> Any:
     return shape.alpha * e * e * e / d + xp.where(on_hill, shape.hill * power * q / (d * d), 0.0)
 
 
-def potential_slope(s: Any, shape: PotentialShape, constants: Constants) -> Any:
+def potential_slope(s: Any, shape: PotentialParameters, constants: PlatoonParameters) -> Any:
     """V'(s) (paper, used in eq. 2; written out in the theory page).
 
     base' = -alpha [3 (lambda - s)^2 / (s - L) + (lambda - s)^3 / (s - L)^2]

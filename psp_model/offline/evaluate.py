@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..parameters import PlatoonParameters, PotentialParameters
+from ..law.potential import PotentialParameters
+from ..parameters import PlatoonParameters
 from ..selection.feasible import project
 from ..selection.network import ParameterNetwork
 from ..selection.rollout import CROSS, STEP_P, STEP_R, share_rollouts

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..law.feedback import feedback
-from ..law.potential import potential_slope
-from ..objective import running_cost
-from ..parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN
-from ..sampling.hold import advance
-from ..selection.search.engine import Problem, _Shape
+from ..law.controller import PaperLaw
+from ..law.potential import PotentialParameters, potential_slope
+from ..parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN, generic
+from ..sampling.hold import IDEAL
+from ..sampling.period import decide, hold
+from ..selection.search.engine import Problem
 
 Array = NDArray[Any]
 
@@ -39,12 +39,11 @@ class LocalSolver:
 
         n, T, constants = self.problem.vehicles, self.problem.T, self.problem.constants
         state, triple = casadi.SX.sym("state", 2 * n - 1), casadi.SX.sym("triple", 3)
-        shape = _Shape(triple[0], triple[1], triple[2])
-        s, v = state[: n - 1], state[n - 1 :]
-        a = feedback(s, v, shape, constants)
-        after = casadi.vertcat(*advance(s, v, a, T))
-        cost = sum(running_cost(s, v, a, T, self.problem.weights))
-        step = casadi.Function("step", [state, triple], [after, cost])
+        shape = generic(PotentialParameters, alpha=triple[0], r=triple[1], p=triple[2])
+        vehicles = IDEAL.begin(casadi.SX(0.0), state[: n - 1], state[n - 1 :])
+        _, a, _ = decide(PaperLaw(shape, constants), None, vehicles)
+        after, added = hold(IDEAL, vehicles, a, T, self.problem.weights)
+        step = casadi.Function("step", [state, triple], [casadi.vertcat(after.s, after.v), sum(added)])
         x, start = casadi.MX.sym("x", 3), casadi.MX.sym("start", 2 * n - 1)
         periods = round(self.problem.horizon / T)
         _, costs = step.mapaccum("run", periods)(start, casadi.repmat(x, 1, periods))

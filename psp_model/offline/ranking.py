@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..parameters import PotentialParameters
+from ..law.potential import PotentialParameters
 from ..selection.feasible import project
 from ..selection.search.slope_limit import SlopeLimit
 from .fit import Layers, Schedule

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..errors import ModelError
 from ..parameters import PlatoonParameters
 from ..state import PlatoonState
+from ..validate import validate
 from ..whole_file import read_arrays, write_whole
 from .errors import OfflineError
 
@@ -49,7 +50,7 @@ def read_starts(path: Path, constants: PlatoonParameters | None = None) -> Array
         raise OfflineError(f"{path} holds no start: give it one row for each start")
     for row, (gaps, speeds) in enumerate(zip(s, v, strict=True), start=1):
         try:
-            PlatoonState(gaps, speeds, constants or PlatoonParameters())
+            validate(PlatoonState(gaps, speeds, constants or PlatoonParameters()))
         except ModelError as error:
             raise OfflineError(f"{path}, start {row}: {error}") from None
     return np.concatenate([s, v], axis=1)

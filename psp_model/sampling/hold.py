@@ -2,7 +2,96 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
+
+
+class Moving(Protocol):
+    """The state of vehicles on one lane, as far as the loop looks at it."""
+
+    @property
+    def x(self) -> Any:
+        """Position of the leader, a number or (...) array [m]."""
+
+    @property
+    def s(self) -> Any:
+        """Spacings, (n-1, ...) array [m]."""
+
+    @property
+    def v(self) -> Any:
+        """Speeds, (n, ...) array [m/s]."""
+
+
+Vehicles = TypeVar("Vehicles", bound=Moving)
+
+
+class Plant(Protocol[Vehicles]):
+    """What a loop drives: vehicles that take commands of acceleration; its state is a struct of the plant's own.
+
+    Both functions are pure, and generic over the array namespace, so that the same plant serves a run, a batch of
+    rollouts and CasADi (ours).
+    """
+
+    def begin(self, x: Any, s: Any, v: Any) -> Vehicles:
+        """The state in which the vehicles stand at these spacings and speeds, as if uncontrolled so far.
+
+        Parameters
+        ----------
+        x : position of the leader [m]
+        s, v : (n-1, ...) spacings [m] and (n, ...) speeds [m/s]
+        """
+
+    def advance(self, vehicles: Vehicles, a: Any, tau: Any) -> tuple[Vehicles, Any]:
+        """The state a time tau later.
+
+        Parameters
+        ----------
+        vehicles : state now
+        a : (n, ...) array, accelerations commanded and held from now on [m/s2]
+        tau : time [s]
+
+        Returns
+        -------
+        the state, and the (n, ...) mean accelerations of the vehicles over that time [m/s2], which J counts
+        """
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Where vehicles without any inner state are.
+
+    Attributes
+    ----------
+    x : position of the leader [m]
+    s, v : (n-1, ...) spacings [m] and (n, ...) speeds [m/s]
+    """
+
+    x: Any
+    s: Any
+    v: Any
+
+    def positions(self) -> Any:
+        """Positions of all vehicles of one platoon, (n,) NumPy array [m]."""
+        return np.subtract.accumulate(np.concatenate([[self.x], self.s]))
+
+
+@dataclass(frozen=True)
+class DoubleIntegrators:
+    """The paper's vehicles: each does at once what it is told; exact for commands that are held (paper, eq. 10)."""
+
+    def begin(self, x: Any, s: Any, v: Any) -> Motion:
+        """See `Plant.begin`."""
+        return Motion(x, s, v)
+
+    def advance(self, vehicles: Motion, a: Any, tau: Any) -> tuple[Motion, Any]:
+        """See `Plant.advance`."""
+        s, v = advance(vehicles.s, vehicles.v, a, tau)
+        return Motion(vehicles.x + travelled(vehicles.v[0], a[0], tau), s, v), a
+
+
+IDEAL = DoubleIntegrators()
 
 
 def relative(y: Any) -> Any:

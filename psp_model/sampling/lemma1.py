@@ -8,10 +8,10 @@ import numpy as np
 
 from ..errors import ModelError
 from ..namespaces import array_namespace, smallest
-from ..parameters import Constants, PlatoonParameters
+from ..parameters import PlatoonParameters
 
 
-def period_bounds(s: Any, v: Any, a: Any, constants: Constants) -> tuple[Any, Any]:
+def period_bounds(s: Any, v: Any, a: Any, constants: PlatoonParameters) -> tuple[Any, Any]:
     """The bounds on the sampling period that each gap and each speed sets at a sampling instant (paper, Lemma 1).
 
     Parameters
@@ -33,7 +33,7 @@ def period_bounds(s: Any, v: Any, a: Any, constants: Constants) -> tuple[Any, An
     return (s - constants.L) / constants.v_max, of_speeds
 
 
-def largest_period(s: Any, v: Any, a: Any, constants: Constants) -> Any:
+def largest_period(s: Any, v: Any, a: Any, constants: PlatoonParameters) -> Any:
     """T_max: a sampling period T is certified at this instant iff T < T_max (paper, Lemma 1, over all vehicles).
 
     Parameters

@@ -9,19 +9,9 @@ from typing import Any
 import numpy as np
 
 from ..errors import ModelError
-from ..law.potential import potential_slope
+from ..law.potential import PotentialParameters, potential_slope
 from ..namespaces import array_namespace
-from ..parameters import (
-    ALPHA_MAX,
-    ALPHA_MIN,
-    HILL_WIDTH,
-    P_MAX,
-    P_MIN,
-    Constants,
-    PlatoonParameters,
-    PotentialParameters,
-    PotentialShape,
-)
+from ..parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN, PlatoonParameters
 
 SLOPE_ERROR = 1e-9  # [m/s2] `max_slope` is this close to the true maximum, or closer
 _FIRST_CELLS = 64  # cells that the hill is first cut into
@@ -32,7 +22,7 @@ _ALPHA_ERROR = 1e-9  # [1] how close the flattest hill is found, in alpha
 _PROBES = 33  # starting points of the projection's search in r
 
 
-def cell_bound(a: Any, b: Any, shape: PotentialShape, constants: Constants) -> tuple[Any, Any]:
+def cell_bound(a: Any, b: Any, shape: PotentialParameters, constants: PlatoonParameters) -> tuple[Any, Any]:
     """Lower and upper bound of max |V'| over the cell [a, b] of the hill (ours).
 
     The lower bound is |V'| at the better end.  Between its ends a function leaves the chord by at most
@@ -68,7 +58,7 @@ def cell_bound(a: Any, b: Any, shape: PotentialShape, constants: Constants) -> t
     return lower, lower + (b - a) ** 2 / 8.0 * (base + shape.hill * hill)
 
 
-def max_slope(shape: PotentialParameters, constants: Constants, enough: float = np.inf) -> float:
+def max_slope(shape: PotentialParameters, constants: PlatoonParameters, enough: float = np.inf) -> float:
     """max |V_new'| on [r, r + 3] (paper, feasible set), never above the true maximum and at most SLOPE_ERROR below it.
 
     Branch and bound on `cell_bound`: cells that may still hide a larger value are cut until none may (ours).  Slopes

@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 
 from ..errors import ModelError
-from ..parameters import PlatoonParameters, PotentialParameters
+from ..law.potential import PotentialParameters
+from ..parameters import PlatoonParameters
 from ..state import StartDomain
+from ..validate import validate
 
 INPUT, PARAMETERS, SCORES, DICTIONARY = "initial_condition", "parameters", "scores", "dictionary"
 GAPS, SPEEDS = "gaps", "speeds"
@@ -93,7 +95,7 @@ class ParameterNetwork:
             return {
                 "vehicles": range(int(entries[names[0]]), int(entries[names[1]]) + 1),
                 "domain": StartDomain(**_numbers(entries["psp_domain"])),
-                "constants": PlatoonParameters(**_numbers(entries["psp_constants"])),
+                "constants": validate(PlatoonParameters(**_numbers(entries["psp_constants"]))),
             }
         except (AttributeError, KeyError, TypeError, ValueError, ArithmeticError, RecursionError):
             raise ModelError("network_metadata", self.path.name) from None

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..law.feedback import feedback
-from ..objective import running_cost
-from ..parameters import ObjectiveWeights, PotentialParameters
-from ..platoon import Sampling, locate
-from ..sampling.hold import advance
-from ..sampling.lemma1 import largest_period
+from ..law.controller import MakeController, PaperLaw
+from ..law.potential import Potential, PotentialParameters, stacked
+from ..parameters import ObjectiveWeights
+from ..sampling.clock import locate
+from ..sampling.hold import IDEAL, Plant
+from ..sampling.period import decide, hold
+from ..sampling.policy import Sampling
 from ..state import PlatoonState
 from .feasible import project
 
@@ -25,47 +26,43 @@ MOST_ROUNDS = 3
 CROSS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 
 
-class Shapes(NamedTuple):
-    """K triples as (K,) arrays alpha, r, p and hill, in the form that the potential takes."""
-
-    alpha: Batch
-    r: Batch
-    p: Batch
-    hill: Batch
-
-
 def rollout_costs(
     start: PlatoonState,
-    candidates: Sequence[PotentialParameters],
+    candidates: Sequence[Potential],
     weights: ObjectiveWeights,
     sampling: Sampling,
     horizon: float,
+    *,
+    controller: MakeController = PaperLaw,
+    plant: Plant[Any] = IDEAL,
 ) -> tuple[Batch, NDArray[np.bool_]]:
     """J of each candidate from this start, and whether Lemma 1 certifies T throughout (ours).
 
     Parameters
     ----------
     start : initial state
-    candidates : K feasible triples
+    candidates : K potentials of one family
     weights : of the objective
     sampling : T counts, the policy does not
     horizon : how far ahead to look [s], at least one sampling period is
+    controller : makes the controller from potential and constants; the paper's law by default
+    plant : what is driven; double integrators by default
 
     Returns
     -------
     J, certified : (K,) arrays
     """
-    columns = np.array([(c.alpha, c.r, c.p, c.hill) for c in candidates]).T
-    shapes = Shapes(*columns)
-    count, T, constants = len(candidates), sampling.T, start.constants
+    count, T = len(candidates), sampling.T
+    law = controller(stacked(candidates), start.constants)
     s, v = np.repeat(start.s[:, None], count, axis=1), np.repeat(start.v[:, None], count, axis=1)
+    memory, vehicles = None, plant.begin(np.full(count, start.x_leader), s, v)
     J, certified = np.zeros(count), np.ones(count, dtype=bool)
     with np.errstate(all="ignore"):  # a candidate that is not certified may leave the state space: it is not taken
         for _ in range(max(locate(horizon, T)[0], 1)):
-            a = feedback(s, v, shapes, constants)
-            certified &= largest_period(s, v, a, constants) > T
-            J += sum(running_cost(s, v, a, T, weights))
-            s, v = advance(s, v, a, T)
+            memory, a, T_max = decide(law, memory, vehicles)
+            certified &= T_max > T
+            vehicles, added = hold(plant, vehicles, a, T, weights)
+            J += sum(added)
     return J, certified
 
 

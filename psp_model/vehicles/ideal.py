@@ -4,40 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from ..platoon import Vector
-from ..sampling.hold import advance, travelled
+from ..sampling.hold import IDEAL, Motion
+from ..sampling.loop import Vector
 from ..state import PlatoonState
-
-
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """Where the vehicles are.
-
-    Attributes
-    ----------
-    x : position of the leader [m]
-    s, v : gaps (n-1,) [m] and speeds (n,) [m/s]
-    """
-
-    x: float
-    s: Vector
-    v: Vector
-
-    def after(self, a: Vector, tau: float) -> Motion:
-        """The motion a time tau later, exactly (paper, eq. 10).
-
-        Parameters
-        ----------
-        a : (n,) accelerations held [m/s2]
-        tau : time [s]
-        """
-        return Motion(self.x + float(travelled(self.v[0], a[0], tau)), *advance(self.s, self.v, a, tau))
-
-    def positions(self) -> Vector:
-        """Positions of all vehicles, (n,) [m]."""
-        return np.subtract.accumulate(np.concatenate([[self.x], self.s]))
 
 
 @dataclass
@@ -79,4 +48,4 @@ class IdealPlant:
         a : (n,) accelerations [m/s2]
         """
         while self.period < period:
-            self.now, self.period = self.now.after(a, self.T), self.period + 1
+            self.now, self.period = IDEAL.advance(self.now, a, self.T)[0], self.period + 1

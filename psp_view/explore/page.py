@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from nicegui import ui
 
-from psp_model.parameters import ALPHA_MAX, ALPHA_MIN, BEST_FIXED, HILL_WIDTH, P_MAX, P_MIN, PlatoonParameters
+from psp_model.law.potential import BEST_FIXED
+from psp_model.parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN, PlatoonParameters
 from psp_model.state import StartDomain
 
 from .plots import feasible_plot, potential_plots, run_plots

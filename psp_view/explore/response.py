@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 
 from psp_model.analysis.figures import Figure, figures_of_run
 from psp_model.errors import ModelError
-from psp_model.parameters import HILL_WIDTH, P_MAX, P_MIN, V_OLD, PlatoonParameters, PotentialParameters
-from psp_model.platoon import Lemma1Policy, Sampling
+from psp_model.law.potential import V_OLD, PotentialParameters
+from psp_model.parameters import HILL_WIDTH, P_MAX, P_MIN, PlatoonParameters
+from psp_model.sampling.policy import Lemma1Policy, Sampling
 from psp_model.selection.feasible import max_slope, project, require_feasible
 from psp_model.simulate import Run, simulate
 from psp_model.state import PlatoonState
+from psp_model.validate import validate
 
 from ..potentials import Curve, curve
 
@@ -79,7 +81,7 @@ def respond(choice: Choice, constants: PlatoonParameters, duration: float = 20.0
     line = curve(shape, constants, points=481)
     slope = 0.0 if choice.old else max_slope(shape, constants)
     try:
-        start = PlatoonState(np.array(choice.s), np.array(choice.v), constants)
+        start = validate(PlatoonState(choice.s, choice.v, constants))
     except ModelError as error:
         return Response(None, line, slope, str(error), ())
     if not choice.old:

@@ -83,13 +83,13 @@ def test_T_is_certified_strictly_below_T_max_only(policy: Lemma1Policy) -> None:
     s, v = paper_start(2, 7)
     start = PlatoonState(s, v)
     T_max = float(largest_period(s, v, feedback(s, v, V_OLD, CONSTANTS), CONSTANTS))
-    below = SampledPlatoon(start, V_OLD, sampling=Sampling(float(np.nextafter(T_max, 0.0)), policy)).now
+    below = SampledPlatoon.begin(start, V_OLD, sampling=Sampling(float(np.nextafter(T_max, 0.0)), policy)).now
     assert (below.violations, below.span, below.T_max) == (0, 1.0, T_max)
     if policy is Lemma1Policy.ERROR:
         with pytest.raises(ModelError, match="is not below T_max"):
-            SampledPlatoon(start, V_OLD, sampling=Sampling(T_max, policy))
+            SampledPlatoon.begin(start, V_OLD, sampling=Sampling(T_max, policy))
     else:
-        at = SampledPlatoon(start, V_OLD, sampling=Sampling(T_max, policy)).now
+        at = SampledPlatoon.begin(start, V_OLD, sampling=Sampling(T_max, policy)).now
         assert (at.violations, at.span) == (1, 0.5 if policy is Lemma1Policy.SHORTEN else 1.0)
 
 
@@ -127,7 +127,7 @@ def test_policy_3_takes_the_same_start_through_at_20_ms() -> None:
 def test_policy_1_refuses_during_the_run_too_and_stays_at_that_instant() -> None:
     """Far apart at first, and closing in: the refused instant is kept and can be looked at."""
     start = PlatoonState(np.array([30.0]), np.array([0.0, V_MAX]))
-    platoon = SampledPlatoon(start, V_OLD, sampling=Sampling(0.3))
+    platoon = SampledPlatoon.begin(start, V_OLD, sampling=Sampling(0.3))
     with pytest.raises(ModelError) as caught:
         platoon.advance_to(20, 0.0)
     now = platoon.now
@@ -159,7 +159,7 @@ def test_the_violation_names_vehicle_values_bound_and_remedy(name: str, key: str
 def test_policy_2_warns_once_per_stretch_and_counts_every_instant() -> None:
     sentences: list[str] = []
     start = PlatoonState(*start_too_fast_for(0.02))
-    platoon = SampledPlatoon(start, V_OLD, sampling=Sampling(0.02, Lemma1Policy.WARN), warn=sentences.append)
+    platoon = SampledPlatoon.begin(start, V_OLD, sampling=Sampling(0.02, Lemma1Policy.WARN), warn=sentences.append)
     uncertified = [platoon.now.T_max <= 0.02]
     for period in range(1, 200):
         platoon.advance_to(period, 0.0)
@@ -171,14 +171,14 @@ def test_policy_2_warns_once_per_stretch_and_counts_every_instant() -> None:
 
 def test_a_resumed_platoon_is_silent_until_it_is_told_whom_to_warn() -> None:
     start, sampling = PlatoonState(*start_too_fast_for(0.02)), Sampling(0.02, Lemma1Policy.WARN)
-    original = SampledPlatoon(start, V_OLD, sampling=sampling)
-    resumed = SampledPlatoon.resume(start, V_OLD, original.weights, sampling, original.now)
+    original = SampledPlatoon.begin(start, V_OLD, sampling=sampling)
+    resumed = SampledPlatoon(original.loop, sampling, original.now)
     for platoon in (original, resumed):
         platoon.advance_to(100, 0.0)
     assert resumed.now.violations == original.now.violations > 0
     sentences: list[str] = []
-    again = SampledPlatoon.resume(start, V_OLD, original.weights, sampling, original.now)
-    again.now, again.warn = SampledPlatoon(start, V_OLD, sampling=sampling).now, sentences.append
+    again = SampledPlatoon(original.loop, sampling, original.now)
+    again.now, again.warn = SampledPlatoon.begin(start, V_OLD, sampling=sampling).now, sentences.append
     again.advance_to(100, 0.0)
     assert sentences and np.array_equal(again.now.v, resumed.now.v)
 
@@ -186,7 +186,7 @@ def test_a_resumed_platoon_is_silent_until_it_is_told_whom_to_warn() -> None:
 def test_policy_2_says_where_the_model_ends() -> None:
     """Driven far beyond its certificate, a gap can pass L; the run must stop there and not divide by zero."""
     start = PlatoonState(np.array([5.5, 9.0]), np.array([0.0, V_MAX, V_MAX]))
-    platoon = SampledPlatoon(start, V_OLD, sampling=Sampling(0.1, Lemma1Policy.WARN))
+    platoon = SampledPlatoon.begin(start, V_OLD, sampling=Sampling(0.1, Lemma1Policy.WARN))
     with pytest.raises(ModelError) as caught:
         platoon.advance_to(10, 0.0)
     assert caught.value.key == "left_gap" and "lemma1_policy 3" in str(caught.value)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,9 @@ import pytest
 
 from psp_model import V_OLD, ObjectiveWeights, feedback, largest_period, potential, potential_slope
 from psp_model.law.feedback import f, g, gain, repulsion
+from psp_model.law.potential import PotentialParameters
 from psp_model.objective import running_cost
+from psp_model.parameters import generic
 from psp_model.sampling.hold import advance, travelled
 from psp_model.sampling.lemma1 import period_bounds
 from strategies import CONSTANTS, feasible_triple
@@ -47,11 +48,11 @@ def batch(vehicles: int, count: int) -> tuple[Any, Any, Any]:
     s[0, 0], v[0, 0], v[-1, 1] = 5.001, 0.0, 35.0
     triples = [V_OLD, *(feasible_triple(seed) for seed in range(count - 1))]
     columns = {name: np.array([getattr(one, name) for one in triples]) for name in ("alpha", "r", "p", "hill")}
-    return s, v, SimpleNamespace(**columns)
+    return s, v, generic(PotentialParameters, **columns)
 
 
 def member(shape: Any, j: int) -> Any:
-    return SimpleNamespace(**{name: float(column[j]) for name, column in vars(shape).items()})
+    return PotentialParameters(**{name: float(column[j]) for name, column in vars(shape).items()})
 
 
 @pytest.mark.parametrize("vehicles", [2, 3, 7, 12])
@@ -65,7 +66,7 @@ def test_batch_equals_its_members_one_by_one(vehicles: int) -> None:
 
 def test_batches_may_have_two_axes() -> None:
     s, v, shape = batch(5, 6)
-    folded = SimpleNamespace(**{name: column.reshape(2, 3) for name, column in vars(shape).items()})
+    folded = generic(PotentialParameters, **{name: column.reshape(2, 3) for name, column in vars(shape).items()})
     for flat, deep in zip(model(s, v, shape), model(s.reshape(4, 2, 3), v.reshape(5, 2, 3), folded), strict=True):
         np.testing.assert_allclose(deep.reshape(flat.shape), flat, rtol=1e-14, atol=1e-14)
 
@@ -75,7 +76,7 @@ def test_jax_equals_numpy(vehicles: int) -> None:
     jax = pytest.importorskip("jax")
     s, v, shape = batch(vehicles, 9)
     with jax.enable_x64(True):
-        run = jax.jit(lambda s, v, columns: model(s, v, SimpleNamespace(**columns)))
+        run = jax.jit(lambda s, v, columns: model(s, v, generic(PotentialParameters, **columns)))
         results = run(s, v, vars(shape))
     for ours, theirs in zip(model(s, v, shape), results, strict=True):
         assert theirs.dtype == np.float64
@@ -87,7 +88,7 @@ def test_jax_derivatives_are_finite_off_the_hill_and_right_on_it() -> None:
 
     @jax.jit  # type: ignore[untyped-decorator]
     def slope(theta: Any, s: Any) -> Any:
-        shape = SimpleNamespace(alpha=theta[0], r=theta[1], p=theta[2], hill=1.0)
+        shape = generic(PotentialParameters, alpha=theta[0], r=theta[1], p=theta[2], hill=1.0)
         return potential_slope(s, shape, CONSTANTS)
 
     with jax.enable_x64(True):
@@ -107,7 +108,7 @@ def test_casadi_equals_numpy(vehicles: int) -> None:
     s, v, shape = batch(vehicles, 9)
     names = ("alpha", "r", "p", "hill")
     symbols = [casadi.SX.sym("s", vehicles - 1), casadi.SX.sym("v", vehicles), *(casadi.SX.sym(name) for name in names)]
-    symbolic_shape = SimpleNamespace(**dict(zip(names, symbols[2:], strict=True)))
+    symbolic_shape = generic(PotentialParameters, **dict(zip(names, symbols[2:], strict=True)))
     function = casadi.Function("model", symbols, model(symbols[0], symbols[1], symbolic_shape))
     for j in range(9):
         one = member(shape, j)
@@ -120,6 +121,6 @@ def test_casadi_equals_numpy(vehicles: int) -> None:
 def test_casadi_derivatives_are_finite_off_the_hill() -> None:
     casadi = pytest.importorskip("casadi")
     theta, s = casadi.SX.sym("theta", 3), casadi.SX.sym("s", 4)
-    shape = SimpleNamespace(alpha=theta[0], r=theta[1], p=theta[2], hill=1.0)
+    shape = generic(PotentialParameters, alpha=theta[0], r=theta[1], p=theta[2], hill=1.0)
     jacobian = casadi.Function("jacobian", [theta, s], [casadi.jacobian(potential_slope(s, shape, CONSTANTS), theta)])
     assert np.isfinite(np.array(jacobian([1e-3, 11.0, 3.0], [8.0, 11.0, 14.0, 25.0]))).all()

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import fields, replace
 from math import frexp
-from typing import Any
-from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -24,12 +22,15 @@ from psp_model import (
     Sampling,
 )
 from psp_model.law.feedback import feedback
-from psp_model.platoon import MOST_PERIODS, TIME_TOLERANCE, Instant, Observation, locate
+from psp_model.platoon import Observation
+from psp_model.sampling.clock import MOST_PERIODS, TIME_TOLERANCE, locate
 from psp_model.sampling.lemma1 import largest_period
+from psp_model.sampling.loop import Instant, step
 from strategies import CONSTANTS, paper_start
 
 T = 0.01  # [s]
 END = 1.0  # [s]
+STATE = ("x", "s", "v", *(field.name for field in fields(Instant) if field.name != "vehicles"))
 
 
 def steps_of(step: float) -> list[float]:
@@ -78,7 +79,7 @@ def platoon(policy: Lemma1Policy, gap: float | None = None) -> SampledPlatoon:
     s, v = paper_start(8, 5)
     if gap is not None:
         s[1] = gap
-    return SampledPlatoon(PlatoonState(s, v, x_leader=100.0), V_OLD, sampling=Sampling(T, policy))
+    return SampledPlatoon.begin(PlatoonState(s, v, x_leader=100.0), V_OLD, sampling=Sampling(T, policy))
 
 
 CASES: dict[str, Callable[[], SampledPlatoon]] = {
@@ -107,8 +108,8 @@ def test_any_steps_lead_to_the_same_sampling_instants(steps: list[float]) -> Non
     walked, leapt = CASES["policy 1"](), CASES["policy 1"]()
     walk(walked, np.cumsum(steps).tolist())
     leapt.advance_to(walked.now.period, 0.0)
-    for field in fields(Instant):
-        assert np.array_equal(getattr(walked.now, field.name), getattr(leapt.now, field.name)), field.name
+    for name in STATE:
+        assert np.array_equal(getattr(walked.now, name), getattr(leapt.now, name)), name
 
 
 def test_between_instants_the_state_is_the_exact_polynomial() -> None:
@@ -160,25 +161,25 @@ def test_sampling_again_at_the_same_instant_replaces_its_verdict_and_later_adds_
     run = CASES["policy 3, shortened"]()
     first = run.now
     assert first.violations == 1
-    run.take_over(0, 0.0, first.x, first.s, first.v, V_OLD)
+    run = run.take_over(0, 0.0, first.x, first.s, first.v, V_OLD)
     assert run.now.violations == 1
     apart = np.full(first.s.size, 40.0)
-    run.take_over(0, 0.0, first.x, apart, first.v, V_OLD)
+    run = run.take_over(0, 0.0, first.x, apart, first.v, V_OLD)
     assert run.now.violations == 0 and run.now.T_max > T
-    run.take_over(0, 0.0, first.x, first.s, first.v, V_OLD)
+    run = run.take_over(0, 0.0, first.x, first.s, first.v, V_OLD)
     assert run.now.violations == 1
-    run.take_over(0, 0.5 * run.now.span, first.x, first.s, first.v, V_OLD)
+    run = run.take_over(0, 0.5 * run.now.span, first.x, first.s, first.v, V_OLD)
     assert run.now.violations == 2
-    run.take_over(0, run.now.fraction, first.x, apart, first.v, V_OLD)
+    run = run.take_over(0, run.now.fraction, first.x, apart, first.v, V_OLD)
     assert run.now.violations == 1
 
 
 def test_sampling_again_at_the_same_instant_where_T_is_T_max() -> None:
     s, v = paper_start(8, 5)
     bound = float(largest_period(s, v, feedback(s, v, V_OLD, CONSTANTS), CONSTANTS))
-    run = SampledPlatoon(PlatoonState(s, v), V_OLD, sampling=Sampling(bound, Lemma1Policy.SHORTEN))
+    run = SampledPlatoon.begin(PlatoonState(s, v), V_OLD, sampling=Sampling(bound, Lemma1Policy.SHORTEN))
     assert run.now.violations == 1
-    run.take_over(0, 0.0, 0.0, s, v, V_OLD)
+    run = run.take_over(0, 0.0, 0.0, s, v, V_OLD)
     assert run.now.violations == 1
 
 
@@ -187,7 +188,7 @@ def test_the_cost_goes_on_through_a_change() -> None:
     for run in (changed, plain):
         run.advance_to(3, 0.0)
     halfway = plain.observe(3, 0.5)
-    changed.take_over(3, 0.5, float(halfway.x[0]), halfway.s, halfway.v, BEST_FIXED)
+    changed = changed.take_over(3, 0.5, float(halfway.x[0]), halfway.s, halfway.v, BEST_FIXED)
     assert np.array_equal(changed.now.cost, halfway.cost) and changed.now.cost.min() > 0
     assert np.array_equal(changed.now.a, feedback(halfway.s, halfway.v, BEST_FIXED, CONSTANTS))
 
@@ -247,18 +248,13 @@ def test_policy_3_takes_the_longest_dyadic_span_that_is_certified() -> None:
 
 
 def test_violations_count_uncertified_instants_without_shortening_what_is_certified() -> None:
-    run, counted = CASES["policy 3, shortened"](), 0
-    original = run._sample
-
-    def recorded(*args: Any) -> None:
-        nonlocal counted
-        original(*args)
-        counted += run.now.T_max <= T
-
-    counted += run.now.T_max <= T
-    with patch.object(run, "_sample", recorded):
-        run.advance_to(50, 0.0)
-    assert run.now.violations == counted > 0
+    run = CASES["policy 3, shortened"]()
+    now, counted = run.now, int(run.now.T_max <= T)
+    while now.ends <= (50, 0.0):
+        now, _ = step(run.loop, now)
+        counted += now.T_max <= T
+    run.advance_to(50, 0.0)
+    assert run.now.violations == now.violations == counted > 0
     assert CASES["policy 1"]().now.violations == 0
 
 
@@ -271,7 +267,7 @@ def test_a_kept_instant_restores_the_run_bit_for_bit(case: str) -> None:
     run.advance_to(80, 0.0)
     run.now = kept
     again = walk(run, [0.2, 0.317, 0.5])
-    resumed = SampledPlatoon.resume(run.start, run.shape, run.weights, run.sampling, replace(kept))
+    resumed = SampledPlatoon(run.loop, run.sampling, replace(kept))
     elsewhere = walk(resumed, [0.2, 0.317, 0.5])
     for k in (20, 50):
         for field in fields(Observation):
@@ -283,7 +279,7 @@ def test_a_kept_instant_restores_the_run_bit_for_bit(case: str) -> None:
 def test_a_kept_instant_is_not_changed_by_going_on() -> None:
     run = CASES["policy 1"]()
     kept = run.now
-    copies = {field.name: np.copy(getattr(kept, field.name)) for field in fields(Instant)}
+    copies = {name: np.copy(getattr(kept, name)) for name in STATE}
     run.advance_to(50, 0.5)
     run.observe(50, 0.5)
     for name, copy in copies.items():
@@ -314,8 +310,8 @@ def test_locate_at_the_ends_of_its_tolerance_and_of_what_can_be_counted() -> Non
 def test_the_platoon_drives_far_without_losing_its_gaps() -> None:
     """Gaps are integrated themselves: a leader at 10 million metres changes nothing about them."""
     s, v = paper_start(8, 5)
-    near = SampledPlatoon(PlatoonState(s, v), BEST_FIXED)
-    far = SampledPlatoon(PlatoonState(s, v, x_leader=1e7), BEST_FIXED)
+    near = SampledPlatoon.begin(PlatoonState(s, v), BEST_FIXED)
+    far = SampledPlatoon.begin(PlatoonState(s, v, x_leader=1e7), BEST_FIXED)
     near.advance_to(500, 0.0)
     far.advance_to(500, 0.0)
     assert np.array_equal(near.now.s, far.now.s) and np.array_equal(near.now.a, far.now.a)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
-from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -26,7 +24,7 @@ from psp_model import (
     simulate,
 )
 from psp_model.law.feedback import f, gain, repulsion
-from psp_model.platoon import Instant
+from psp_model.sampling.loop import Instant, step
 from strategies import CONSTANTS, Vector, feasible_triple, omega, paper_start, shapes
 
 ORACLE = reference.Constants()
@@ -69,14 +67,8 @@ def test_f_is_the_paper_s_smoothed_positive_part(x: float) -> None:
 def instants(platoon: SampledPlatoon, periods: int) -> list[Instant]:
     """Every sampling instant of a run, the short ones included."""
     seen: list[Instant] = [platoon.now]
-    original = platoon._sample
-
-    def recorded(*args: Any) -> None:
-        original(*args)
-        seen.append(platoon.now)
-
-    with patch.object(platoon, "_sample", recorded):
-        platoon.advance_to(periods, 0.0)
+    while seen[-1].ends <= (periods, 0.0):
+        seen.append(step(platoon.loop, seen[-1])[0])
     return seen
 
 
@@ -91,7 +83,7 @@ def assert_in_omega(seen: list[Instant]) -> None:
 def test_policy_3_never_leaves_omega(start: Start, shape: PotentialParameters) -> None:
     s, v = start
     sampling = Sampling(0.01, Lemma1Policy.SHORTEN)
-    seen = instants(SampledPlatoon(PlatoonState(s, v), shape, sampling=sampling), 30)
+    seen = instants(SampledPlatoon.begin(PlatoonState(s, v), shape, sampling=sampling), 30)
     assert_in_omega(seen)
     assert all(now.span * 0.01 < now.T_max for now in seen)
 
@@ -100,7 +92,7 @@ def test_policy_3_never_leaves_omega(start: Start, shape: PotentialParameters) -
 def test_policy_3_keeps_a_crowd_at_L_inside_omega(shape: PotentialParameters, gap: float) -> None:
     """Thirty vehicles, a hair above L apart, alternately standing and at the speed limit."""
     s, v = np.full(29, CONSTANTS.L + gap), np.where(np.arange(30) % 2 == 0, 0.0, CONSTANTS.v_max)
-    seen = instants(SampledPlatoon(PlatoonState(s, v), shape, sampling=Sampling(0.01, Lemma1Policy.SHORTEN)), 20)
+    seen = instants(SampledPlatoon.begin(PlatoonState(s, v), shape, sampling=Sampling(0.01, Lemma1Policy.SHORTEN)), 20)
     assert seen[-1].violations > 20
     assert_in_omega(seen)
 
@@ -108,7 +100,7 @@ def test_policy_3_keeps_a_crowd_at_L_inside_omega(shape: PotentialParameters, ga
 @pytest.mark.parametrize("T", [0.05, 0.3, 2.0])
 def test_policy_3_lives_with_periods_far_too_long(T: float) -> None:
     s, v = paper_start(5, 7)
-    platoon = SampledPlatoon(PlatoonState(s, v), V_OLD, sampling=Sampling(T, Lemma1Policy.SHORTEN))
+    platoon = SampledPlatoon.begin(PlatoonState(s, v), V_OLD, sampling=Sampling(T, Lemma1Policy.SHORTEN))
     assert_in_omega(instants(platoon, round(10.0 / T)))
 
 
@@ -129,7 +121,7 @@ def test_speeds_tend_to_v_star_and_slopes_to_0(shape: PotentialParameters, vehic
 def test_too_many_short_periods_are_a_clear_error_and_the_run_can_go_on() -> None:
     start = PlatoonState(np.array([CONSTANTS.L + 1e-3]), np.array([0.0, CONSTANTS.v_max]))
     tight = Sampling(0.01, Lemma1Policy.SHORTEN, max_short_periods=10)
-    platoon = SampledPlatoon(start, V_OLD, sampling=tight)
+    platoon = SampledPlatoon.begin(start, V_OLD, sampling=tight)
     with pytest.raises(ModelError) as caught:
         platoon.advance_to(1, 0.0)
     assert caught.value.key == "short_periods"
@@ -138,7 +130,7 @@ def test_too_many_short_periods_are_a_clear_error_and_the_run_can_go_on() -> Non
     assert (stopped.period, stopped.fraction > 0.0) == (0, True)
     platoon.sampling = replace(tight, max_short_periods=100_000)
     platoon.advance_to(1, 0.0)
-    untroubled = SampledPlatoon(start, V_OLD, sampling=platoon.sampling)
+    untroubled = SampledPlatoon.begin(start, V_OLD, sampling=platoon.sampling)
     untroubled.advance_to(1, 0.0)
     assert np.array_equal(platoon.now.s, untroubled.now.s) and np.array_equal(platoon.now.v, untroubled.now.v)
 
@@ -147,7 +139,7 @@ def test_too_many_short_periods_are_a_clear_error_and_the_run_can_go_on() -> Non
 def test_runs_that_start_at_L_end_in_omega_or_in_a_clear_error(gap: float) -> None:
     sampling = Sampling(0.01, Lemma1Policy.SHORTEN, max_short_periods=3000)
     start = PlatoonState(np.array([CONSTANTS.L + gap, 9.0]), np.array([10.0, 20.0, 30.0]))
-    platoon = SampledPlatoon(start, V_OLD, sampling=sampling)
+    platoon = SampledPlatoon.begin(start, V_OLD, sampling=sampling)
     try:
         platoon.advance_to(2, 0.0)
     except ModelError as error:

@@ -23,6 +23,8 @@ from psp_model import (
     simulate,
 )
 from psp_model.errors import SENTENCES
+from psp_model.law.potential import V_OLD
+from psp_model.validate import validate
 
 NAN, INF, TINY = float("nan"), float("inf"), 5e-324
 GAPS, SPEEDS = [9.0, 9.0], [30.0, 30.0, 30.0]
@@ -30,7 +32,7 @@ GAPS, SPEEDS = [9.0, 9.0], [30.0, 30.0, 30.0]
 
 def refused(make: Callable[[], Any]) -> ModelError:
     with pytest.raises(ModelError) as caught:
-        make()
+        validate(make())
     sentence = str(caught.value)
     assert "\n" not in sentence and ": " in sentence and not sentence.endswith("."), sentence
     return caught.value
@@ -81,13 +83,13 @@ def test_not_a_finite_number(make: Callable[..., Any], name: str, unit: str, val
 
 
 def test_the_smallest_values_that_hold() -> None:
-    PlatoonParameters(L=TINY, epsilon=TINY, mu=TINY, z=TINY)
-    PlatoonParameters(lam=float(np.nextafter(8.0, 9.0)), v_star=float(np.nextafter(35.0, 0.0)))
-    PlatoonParameters(v_star=TINY)
-    ObjectiveWeights(w1=0.0, w2=0.0, a_ref=TINY, s_ref=TINY)
-    Sampling(T=TINY, max_short_periods=1)
-    PlatoonState(np.array([np.nextafter(5.0, 6.0)]), np.array([0.0, 35.0]))
-    PlatoonState(np.array([]), np.array([30.0]))
+    validate(PlatoonParameters(L=TINY, epsilon=TINY, mu=TINY, z=TINY))
+    validate(PlatoonParameters(lam=float(np.nextafter(8.0, 9.0)), v_star=float(np.nextafter(35.0, 0.0))))
+    validate(PlatoonParameters(v_star=TINY))
+    validate(ObjectiveWeights(w1=0.0, w2=0.0, a_ref=TINY, s_ref=TINY))
+    validate(Sampling(T=TINY, max_short_periods=1))
+    validate(PlatoonState(np.array([np.nextafter(5.0, 6.0)]), np.array([0.0, 35.0])))
+    validate(PlatoonState(np.array([]), np.array([30.0])))
 
 
 @pytest.mark.parametrize(
@@ -122,7 +124,9 @@ def test_sampling(values: dict[str, Any], key: str, words: list[str]) -> None:
 
 
 def test_a_policy_may_be_given_by_its_number() -> None:
-    assert Sampling(policy=3).policy is Lemma1Policy.SHORTEN  # type: ignore[arg-type]
+    assert validate(Sampling(policy=3)).policy == Lemma1Policy.SHORTEN
+    short = simulate(PlatoonState([5.02, 9.0], SPEEDS), V_OLD, sampling=Sampling(policy=3), duration=0.1)
+    assert short.violations > 0
 
 
 STATES = [
@@ -153,7 +157,7 @@ def test_position_of_the_leader(x: float) -> None:
 
 def test_limits_follow_the_constants() -> None:
     wide = PlatoonParameters(L=2.0, v_max=50.0)
-    PlatoonState(np.array([2.5]), np.array([40.0, 50.0]), wide)
+    validate(PlatoonState(np.array([2.5]), np.array([40.0, 50.0]), wide))
     assert "L = 2 m" in str(refused(lambda: PlatoonState(np.array([2.0]), np.array([1.0, 1.0]), wide)))
     assert "[0, 50] m/s" in str(refused(lambda: PlatoonState(np.array([3.0]), np.array([1.0, 51.0]), wide)))
 
@@ -184,6 +188,15 @@ def test_frozen_values_cannot_be_changed_afterwards() -> None:
     start = PlatoonState(gaps, np.array(SPEEDS))
     gaps[0] = 0.0
     assert start.s[0] == GAPS[0]
+    for array in (start.s, start.v):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0.0
+
+
+@pytest.mark.parametrize("kind", [list, tuple, np.array])
+def test_a_state_takes_lists_tuples_and_arrays(kind: Callable[[list[float]], Any]) -> None:
+    start = validate(PlatoonState(kind(GAPS), kind(SPEEDS)))
+    assert start.s.tolist() == GAPS and start.v.dtype == np.float64
 
 
 @pytest.mark.parametrize("excess", [1e-10, 1e-12, float(np.spacing(35.0))])

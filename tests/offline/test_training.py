@@ -24,11 +24,11 @@ from psp_model.offline.ranking import choose_dictionary, train_ranking
 from psp_model.offline.recipes import RECIPES, Trained, split, train
 from psp_model.offline.structures import fold_scaling
 from psp_model.parameters import ObjectiveWeights
-from psp_model.platoon import Sampling
-from psp_model.selection.choose import ParameterSource, Request, choose_potential
+from psp_model.sampling.policy import Sampling
 from psp_model.selection.network import ParameterNetwork
 from psp_model.selection.search.search import EFFORTS
 from psp_model.selection.search.slope_limit import SlopeLimit
+from psp_model.selection.selectors import ParameterSource, Request, choose_potential
 from small_problems import PLAN, TINY, draw
 
 QUICK = Schedule(3e-3, True, 5, 16, 5)

@@ -84,7 +84,7 @@ def by_the_model(lanes: Lanes, lane: int) -> SampledPlatoon:
     constants = PlatoonParameters(*(float(getattr(lanes, name)[lane]) for name in _GIVEN[:7]))
     shape = PotentialParameters(*(float(getattr(lanes, name)[lane]) for name in _GIVEN[7:11]))
     start = PlatoonState(lanes.s[:, lane], lanes.v[:, lane], constants)
-    platoon = SampledPlatoon(start, shape, sampling=Sampling(float(lanes.T[lane]), Lemma1Policy.SHORTEN))
+    platoon = SampledPlatoon.begin(start, shape, sampling=Sampling(float(lanes.T[lane]), Lemma1Policy.SHORTEN))
     platoon.advance_to(PERIODS, 0.0)
     return platoon
 

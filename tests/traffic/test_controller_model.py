@@ -9,7 +9,7 @@ import pytest
 
 from psp_model import BEST_FIXED, Lemma1Policy, ModelError, PlatoonParameters, PlatoonState, Sampling, simulate
 from psp_model.controller import ControllerSettings, Measurement, SampledController
-from psp_model.selection.choose import ParameterSource, Request
+from psp_model.selection.selectors import ParameterSource, Request
 from psp_model.vehicles.ideal import IdealPlant
 from strategies import paper_start
 

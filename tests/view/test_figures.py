@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from psp_model import BEST_FIXED, V_OLD, PlatoonParameters, PlatoonState, StartDomain, require_feasible, simulate
-from psp_model.parameters import PotentialParameters
+from psp_model.law.potential import PotentialParameters
 from psp_view.landscape import draw_landscape, landscape, optimum
 from psp_view.motion import closing_speeds, moving_frame
 from psp_view.potentials import BASE, VARIED, curve, draw_potentials, family, hill

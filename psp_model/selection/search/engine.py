@@ -1,6 +1,6 @@
 """Rollouts of the closed loop by the million: the model's own step, written to C by CasADi, compiled for this machine.
 
-There is no second copy of the dynamics here: `_step` calls psp_model with CasADi symbols.  The C code runs 32 rollouts
+There is no second copy of the dynamics here: `_step` calls the model's own period with CasADi symbols.  The C code runs 32 rollouts
 side by side in vector instructions, about 20 times faster than the same functions batched by JAX on the same core
 (benchmarks/offline_speed.py).
 """
@@ -23,11 +23,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import ModelError
-from ...law.feedback import feedback
-from ...objective import HORIZON, running_cost
-from ...parameters import ObjectiveWeights, PlatoonParameters
-from ...sampling.hold import advance
-from ...sampling.lemma1 import largest_period
+from ...law.controller import PaperLaw
+from ...law.potential import PotentialParameters
+from ...objective import HORIZON
+from ...parameters import ObjectiveWeights, PlatoonParameters, generic
+from ...sampling.hold import IDEAL
+from ...sampling.period import decide, hold
 
 Array = NDArray[Any]
 
@@ -56,27 +57,18 @@ class Problem:
     horizon: float = HORIZON
 
 
-@dataclass(frozen=True)
-class _Shape:
-    """alpha, r, p as symbols."""
-
-    alpha: Any
-    r: Any
-    p: Any
-    hill: float = 1.0
-
-
 def _step(problem: Problem, with_period: bool) -> str:
     """C source of one sampling period: (s, v), (alpha, r, p) -> (s, v, added to J, T_max), written from the model."""
     import casadi
 
-    n, constants, T = problem.vehicles, problem.constants, problem.T
+    n, T = problem.vehicles, problem.T
     s, v, triple = casadi.SX.sym("s", n - 1), casadi.SX.sym("v", n), casadi.SX.sym("triple", 3)
-    a = feedback(s, v, _Shape(triple[0], triple[1], triple[2]), constants)
-    of_acceleration, of_gaps = running_cost(s, v, a, T, problem.weights)
-    period = largest_period(s, v, a, constants) if with_period else casadi.SX(0.0)
-    s1, v1 = advance(s, v, a, T)
-    out = casadi.vertcat(s1, v1, of_acceleration + of_gaps, period)
+    shape = generic(PotentialParameters, alpha=triple[0], r=triple[1], p=triple[2])
+    law = PaperLaw(shape, problem.constants)
+    vehicles = IDEAL.begin(casadi.SX(0.0), s, v)
+    _, a, period = decide(law, None, vehicles)
+    after, added = hold(IDEAL, vehicles, a, T, problem.weights)
+    out = casadi.vertcat(after.s, after.v, sum(added), period if with_period else casadi.SX(0.0))
     function = casadi.Function("step", [casadi.vertcat(s, v), triple], [out], {"cse": True})
     options: dict[str, Any] = {"with_header": False, "casadi_real": "REAL", "casadi_int": "int", "include_math": False}
     generator = casadi.CodeGenerator("step", options)

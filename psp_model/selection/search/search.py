@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH, PotentialParameters
+from ...law.potential import PotentialParameters
+from ...parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH
 from ..feasible import project
 from .engine import Engine, Problem
 from .ridges import descend, suspected

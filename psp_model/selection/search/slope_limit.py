@@ -9,21 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...law.potential import potential_slope
-from ...parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN, PlatoonParameters
+from ...law.potential import PotentialParameters, potential_slope
+from ...parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN, PlatoonParameters, generic
 
 Array = NDArray[Any]
 
 _ALPHAS, _R_STEP, _POINTS, _HALVINGS = 25, 0.05, 241, 20
 MARGIN = 2e-4  # [1] in p, kept from the limit because the table is interpolated; J does not notice
-
-
-@dataclass(frozen=True)
-class _Shape:
-    alpha: Any
-    r: Any
-    p: Any
-    hill: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -88,7 +80,10 @@ def _row(alpha: float, r: Array, constants: PlatoonParameters) -> Array:
     s = r + np.linspace(0.0, HILL_WIDTH, _POINTS)[:, None]
 
     def within(p: Array) -> Array:
-        return np.abs(potential_slope(s, _Shape(alpha, r, p), constants)).max(axis=0) <= constants.z
+        return (
+            np.abs(potential_slope(s, generic(PotentialParameters, alpha=alpha, r=r, p=p), constants)).max(axis=0)
+            <= constants.z
+        )
 
     low, high = np.full(r.shape, P_MIN), np.full(r.shape, P_MAX)
     feasible = within(low)

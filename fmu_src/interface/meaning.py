@@ -1,0 +1,130 @@
+"""What the values of the variables mean to the model: the one place where FMI names and the model's structs meet.
+
+Slaves, command line and the files for other tools all come here; the C of the native FMU reads the same names (PSP_FIELDS
+in the generated header).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+from typing import Any, TypeVar
+
+from psp_model.errors import ModelError
+from psp_model.law.potential import PotentialParameters
+from psp_model.parameters import ObjectiveWeights, PlatoonParameters
+from psp_model.quantities import FIELD_NAMES
+from psp_model.sampling.policy import Lemma1Policy, Sampling
+from psp_model.selection.selectors import ParameterSource, Request
+from psp_model.state import PlatoonState
+from psp_model.validate import validate
+
+from .variables import Variable
+
+Struct = TypeVar("Struct")
+Read = Callable[[str], float]
+"""The value of a variable by its name."""
+
+
+def variable_names(kind: type[Any]) -> dict[str, str]:
+    """FMI names of the fields of a struct whose fields are all variables.
+
+    Parameters
+    ----------
+    kind : PlatoonParameters or ObjectiveWeights
+    """
+    return {field.name: FIELD_NAMES.get(field.name, field.name) for field in fields(kind)}
+
+
+def _struct(kind: type[Struct], read: Read) -> Struct:
+    return validate(kind(**{field: read(name) for field, name in variable_names(kind).items()}))
+
+
+def constants_of(read: Read) -> PlatoonParameters:
+    """The constants of the model.
+
+    Parameters
+    ----------
+    read : value by name
+
+    Raises
+    ------
+    ModelError : where one is outside the model's domain; so do the functions below
+    """
+    return _struct(PlatoonParameters, read)
+
+
+def weights_of(read: Read) -> ObjectiveWeights:
+    """Weights and scales of the objective.
+
+    Parameters
+    ----------
+    read : value by name
+    """
+    return _struct(ObjectiveWeights, read)
+
+
+def choice_of(row: Variable, value: float) -> int:
+    """An Integer parameter, checked against the bounds in its row.
+
+    Parameters
+    ----------
+    row : of the table
+    value : of the variable
+    """
+    chosen, low, high = int(value), int(row.minimum or 0), row.maximum
+    if high is None and chosen < low:
+        raise ModelError("count", row.name, chosen)
+    if high is not None and not low <= chosen <= high:
+        raise ModelError("choice", row.name, chosen, low, int(high))
+    return chosen
+
+
+def sampling_of(read: Read, rows: Mapping[str, Variable]) -> Sampling:
+    """Sampling period and policy.
+
+    Parameters
+    ----------
+    read : value by name
+    rows : of the table by name; max_short_periods may be missing
+    """
+    policy = Lemma1Policy(choice_of(rows["lemma1_policy"], read("lemma1_policy")))
+    if "max_short_periods" not in rows:
+        return validate(Sampling(read("T"), policy))
+    most = choice_of(rows["max_short_periods"], read("max_short_periods"))
+    return validate(Sampling(read("T"), policy, most))
+
+
+def request_of(read: Read, rows: Mapping[str, Variable]) -> Request:
+    """Where alpha, r, p come from.
+
+    Parameters
+    ----------
+    read : value by name
+    rows : of the table by name
+    """
+
+    def chosen(name: str) -> int:
+        return choice_of(rows[name], read(name))
+
+    request = Request(
+        old=chosen("potential") == 1,
+        source=ParameterSource(chosen("parameter_source")),
+        fixed=PotentialParameters(read("alpha_fixed"), read("r_fixed"), read("p_fixed")),
+        rollouts=chosen("rollout_count"),
+        horizon=read("rollout_horizon"),
+    )
+    return request.checked()
+
+
+def start_of(read: Read, n: int, constants: PlatoonParameters) -> PlatoonState:
+    """The initial state of the first n vehicles.
+
+    Parameters
+    ----------
+    read : value by name
+    n : vehicles
+    constants : of the model
+    """
+    s, v = [read(f"s_start[{i}]") for i in range(2, n + 1)], [read(f"v_start[{i}]") for i in range(1, n + 1)]
+    return validate(PlatoonState(s, v, constants, read("x_start")))

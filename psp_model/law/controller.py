@@ -1,0 +1,62 @@
+"""Who decides the accelerations: the protocol, and the paper's law as one that remembers nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from ..parameters import PlatoonParameters
+from .feedback import feedback
+from .potential import Potential
+
+
+class Controller(Protocol):
+    """What a loop asks for commands, once in every sampling period (ours).
+
+    A frozen dataclass whose fields are, among others, `potential` and `constants`, so that another potential can take
+    the place of the one in use.  `decide` is pure; what the controller remembers is a struct of its own, None for
+    nothing.
+    """
+
+    @property
+    def potential(self) -> Potential:
+        """The potential in use."""
+
+    @property
+    def constants(self) -> PlatoonParameters:
+        """The constants of the model."""
+
+    def decide(self, memory: Any, s: Any, v: Any) -> tuple[Any, Any]:
+        """The commands for vehicles at these spacings and speeds.
+
+        Parameters
+        ----------
+        memory : what the last call returned, None before the first
+        s, v : (n-1, ...) spacings [m], above L, and (n, ...) speeds [m/s]
+
+        Returns
+        -------
+        what to remember, and the (n, ...) accelerations [m/s2]
+        """
+
+
+@dataclass(frozen=True)
+class PaperLaw:
+    """F_i = -k_i (v_i - v*) + u_i (paper, eq. 2); see `feedback`.
+
+    Attributes
+    ----------
+    potential, constants : of the model
+    """
+
+    potential: Potential
+    constants: PlatoonParameters
+
+    def decide(self, memory: None, s: Any, v: Any) -> tuple[None, Any]:
+        """See `Controller.decide`."""
+        return None, feedback(s, v, self.potential, self.constants)
+
+
+MakeController = Callable[[Potential, PlatoonParameters], Controller]
+"""Makes a controller from the potential and the constants, as `PaperLaw` does."""

@@ -1,0 +1,211 @@
+"""The closed loop on its sampling clock, as pure functions of explicit state (ours, except the equations they call).
+
+`begin` samples for the first time, `step` goes to the next sampling instant; both return the new instant and a verdict.
+What is done about a verdict is decided elsewhere (`platoon.py`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import ModelError
+from ..law.controller import Controller
+from ..law.potential import Potential
+from ..parameters import ObjectiveWeights
+from .hold import IDEAL, Plant
+from .lemma1 import violation
+from .period import decide, hold
+
+Vector = NDArray[np.float64]
+
+SHORTEST = 2.0**-60  # [sampling periods] no period is cut further than this
+
+
+class Verdict(Enum):
+    """What Lemma 1 says of a sampling instant."""
+
+    CERTIFIED = 1
+    NOT_CERTIFIED = 2
+    OUTSIDE = 3  # a spacing has fallen to L, where the law is not defined
+
+
+@dataclass(frozen=True)
+class Loop:
+    """What the loop is made of.
+
+    Attributes
+    ----------
+    controller : who decides, with potential and constants
+    weights : of the objective
+    T : sampling period [s]
+    shorten : whether a period that is not certified is cut in halves until it is
+    plant : what is driven
+    """
+
+    controller: Controller
+    weights: ObjectiveWeights
+    T: float
+    shorten: bool = False
+    plant: Plant[Any] = IDEAL
+
+
+@dataclass(frozen=True, eq=False)
+class Instant:
+    """Everything the loop knows at a sampling instant, just after sampling; the whole state of a run.
+
+    Attributes
+    ----------
+    period, fraction : time since the start is (period + fraction) T; fraction is in [0, 1), not 0 in cut periods only
+    vehicles : state of the plant
+    a : (n,) accelerations held from here on [m/s2]
+    T_max : Lemma 1's bound [s]
+    span : how long a is held [sampling periods]
+    violations : sampling instants so far at which T >= T_max
+    cost : (2,) the two terms of J so far, of acceleration and of spacings
+    memory : what the controller remembers
+    """
+
+    period: int
+    fraction: float
+    vehicles: Any
+    a: Vector
+    T_max: float
+    span: float
+    violations: int
+    cost: Vector
+    memory: Any = None
+
+    @property
+    def x(self) -> float:
+        """Position of the leader [m]."""
+        return float(self.vehicles.x)
+
+    @property
+    def s(self) -> Vector:
+        """Spacings, (n-1,) [m]."""
+        found: Vector = self.vehicles.s
+        return found
+
+    @property
+    def v(self) -> Vector:
+        """Speeds, (n,) [m/s]."""
+        found: Vector = self.vehicles.v
+        return found
+
+    @property
+    def ends(self) -> tuple[int, float]:
+        """When the next sampling instant is, as period and fraction."""
+        end = self.fraction + self.span
+        return (self.period + 1, 0.0) if end >= 1.0 else (self.period, end)
+
+
+def begin(loop: Loop, x: float, s: Vector, v: Vector) -> tuple[Instant, Verdict]:
+    """The first sampling instant of a run.
+
+    Parameters
+    ----------
+    loop : what it is made of
+    x, s, v : position of the leader [m], (n-1,) spacings [m], all above L, and (n,) speeds [m/s]
+    """
+    return _sampled(loop, (0, 0.0), loop.plant.begin(x, s, v), None, 0, np.zeros(2))
+
+
+def step(loop: Loop, now: Instant) -> tuple[Instant, Verdict]:
+    """The next sampling instant.
+
+    Parameters
+    ----------
+    loop : what it is made of
+    now : the last sampling instant
+
+    Returns
+    -------
+    the instant and what Lemma 1 says of it; with OUTSIDE its accelerations and T_max are still those of `now`
+    """
+    vehicles, cost = after(loop, now, now.span * loop.T)
+    if not now.T_max > loop.T and not (vehicles.s > loop.controller.constants.L).all():  # Lemma 1 keeps it elsewhere
+        period, fraction = now.ends
+        return replace(now, period=period, fraction=fraction, vehicles=vehicles, cost=cost), Verdict.OUTSIDE
+    return _sampled(loop, now.ends, vehicles, now.memory, now.violations, cost)
+
+
+def resample(
+    loop: Loop, now: Instant, at: tuple[int, float], motion: tuple[float, Vector, Vector]
+) -> tuple[Instant, Verdict]:
+    """Sample once more, between or at the clock's instants, because the vehicles or the potential have changed.
+
+    Parameters
+    ----------
+    loop : what it is made of from here on
+    now : the last sampling instant; its weights and its T were those of `loop`
+    at : the time, between `now` and the next instant, as period and fraction
+    motion : position of the leader [m], (m-1,) spacings [m] and (m,) speeds [m/s] from here on, m >= 1
+
+    Returns
+    -------
+    the instant; where it is at the time of `now`, the verdict on `now` no longer counts
+    """
+    tau = (at[0] - now.period + (at[1] - now.fraction)) * loop.T
+    cost = now.cost if tau == 0.0 else after(loop, now, tau)[1]
+    again = at == (now.period, now.fraction)
+    violations = now.violations - (again and now.T_max <= loop.T)
+    return _sampled(loop, at, loop.plant.begin(*motion), None, violations, cost)
+
+
+def after(loop: Loop, now: Instant, tau: float) -> tuple[Any, Vector]:
+    """State of the plant and terms of J a time tau after a sampling instant.
+
+    Parameters
+    ----------
+    loop, now : as for `step`
+    tau : time [s]
+    """
+    vehicles, added = hold(loop.plant, now.vehicles, now.a, tau, loop.weights)
+    return vehicles, now.cost + np.array(added)
+
+
+def refusal(loop: Loop, now: Instant, verdict: Verdict) -> ModelError:
+    """The sentence that says why an instant is not certified, with its values, bound and remedy.
+
+    Parameters
+    ----------
+    loop, now : as `step` returned it
+    verdict : NOT_CERTIFIED or OUTSIDE
+    """
+    constants, time = loop.controller.constants, (now.period + now.fraction) * loop.T
+    if verdict is Verdict.OUTSIDE:
+        i = int(np.argmin(now.s))
+        return ModelError("left_gap", i + 2, now.s[i], constants.L, time)
+    return violation(time, loop.T, now.s, now.v, now.a, constants)
+
+
+def with_potential(loop: Loop, potential: Potential) -> Loop:
+    """The same loop with another potential.
+
+    Parameters
+    ----------
+    loop : what it is made of
+    potential : the other one
+    """
+    return replace(loop, controller=replace(loop.controller, potential=potential))  # type: ignore[type-var]
+
+
+def _sampled(
+    loop: Loop, at: tuple[int, float], vehicles: Any, memory: Any, violations: int, cost: Vector
+) -> tuple[Instant, Verdict]:
+    """The sampling instant at a time: commands, T_max, and how long the commands are held."""
+    decided = decide(loop.controller, memory, vehicles)
+    T_max = float(decided.T_max)
+    certified, span = T_max > loop.T, 1.0
+    if loop.shorten:
+        while not span * loop.T < T_max and span > SHORTEST:
+            span *= 0.5
+    span = min(span, 1.0 - at[1])  # the next nominal instant is one in any case
+    count = violations + (not certified)
+    now = Instant(*at, vehicles, decided.a, T_max, span, count, cost, decided.memory)
+    return now, Verdict.CERTIFIED if certified else Verdict.NOT_CERTIFIED

@@ -1,0 +1,63 @@
+"""One sampling period of the closed loop: what runs, rollouts, the search's engine and IPOPT all repeat."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from ..law.controller import Controller
+from ..objective import running_cost
+from ..parameters import ObjectiveWeights
+from .hold import Plant
+from .lemma1 import largest_period
+
+
+class Decided(NamedTuple):
+    """What was decided at a sampling instant.
+
+    Attributes
+    ----------
+    memory : what the controller remembers
+    a : (n, ...) accelerations commanded from here on [m/s2]
+    T_max : (...) Lemma 1's bound [s]
+    """
+
+    memory: Any
+    a: Any
+    T_max: Any
+
+
+def decide(controller: Controller, memory: Any, vehicles: Any) -> Decided:
+    """The commands at a sampling instant, and the period that Lemma 1 certifies for them.
+
+    Parameters
+    ----------
+    controller : who decides
+    memory : what it remembers, None at first
+    vehicles : state of the plant
+
+    Returns
+    -------
+    Decided
+    """
+    memory, a = controller.decide(memory, vehicles.s, vehicles.v)
+    return Decided(memory, a, largest_period(vehicles.s, vehicles.v, a, controller.constants))
+
+
+def hold(plant: Plant[Any], vehicles: Any, a: Any, tau: Any, weights: ObjectiveWeights) -> tuple[Any, tuple[Any, Any]]:
+    """The plant a time tau after a sampling instant, and what that adds to the two terms of J.
+
+    Parameters
+    ----------
+    plant : what is driven
+    vehicles : its state at the sampling instant
+    a : (n, ...) accelerations held since [m/s2]
+    tau : time since the sampling instant [s]
+    weights : of the objective
+
+    Returns
+    -------
+    the state, and the (...) terms of acceleration and of spacings [s]; exact where the vehicles do what they are told,
+    else as if each held its mean acceleration
+    """
+    after, held = plant.advance(vehicles, a, tau)
+    return after, running_cost(vehicles.s, vehicles.v, held, tau, weights)

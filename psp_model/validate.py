@@ -1,0 +1,105 @@
+"""The checks at the doors: every value outside the model's domain is refused in one sentence (ours).
+
+The model's structs hold numbers, arrays or symbols and check nothing; whoever takes numbers from outside calls
+`validate` on what he made of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import singledispatch
+from math import isfinite
+from typing import TypeVar
+
+import numpy as np
+
+from .errors import ModelError
+from .law.potential import PotentialParameters
+from .parameters import HILL_WIDTH, ObjectiveWeights, PlatoonParameters
+from .quantities import quantity_of
+from .sampling.policy import Lemma1Policy, Sampling
+from .state import PlatoonState
+
+Struct = TypeVar("Struct")
+
+
+def validate(struct: Struct) -> Struct:
+    """Check a struct of the model.
+
+    Parameters
+    ----------
+    struct : PlatoonParameters, ObjectiveWeights, PotentialParameters, Sampling, or a PlatoonState with its constants
+
+    Returns
+    -------
+    the same
+
+    Raises
+    ------
+    ModelError : where a value is not finite or not in the model's domain, naming it
+    """
+    _check(struct)
+    return struct
+
+
+@singledispatch
+def _check(struct: object) -> None:
+    """Whatever is not known here, a potential of one's own for example, checks itself."""
+
+
+def _require(holds: bool | np.bool_, key: str, *values: object) -> None:
+    if not holds:
+        raise ModelError(key, *values)
+
+
+def _require_finite(struct: object, names: Iterable[str]) -> None:
+    for name in names:
+        value, quantity = getattr(struct, name), quantity_of(name)
+        _require(isfinite(value), "finite", quantity.name, value, quantity.unit)
+
+
+@_check.register
+def _(constants: PlatoonParameters) -> None:
+    _require_finite(constants, ("L", "lam", "v_star", "v_max", "epsilon", "mu", "z"))
+    _require(constants.L > 0, "L", constants.L)
+    _require(constants.lam > constants.L + HILL_WIDTH, "lambda", constants.lam, constants.L + HILL_WIDTH)
+    _require(constants.v_max > 0, "v_max", constants.v_max)
+    _require(0 < constants.v_star < constants.v_max, "v_star", constants.v_star, constants.v_max)
+    for name in ("epsilon", "mu", "z"):
+        _require(getattr(constants, name) > 0, name, getattr(constants, name))
+
+
+@_check.register
+def _(weights: ObjectiveWeights) -> None:
+    _require_finite(weights, ("w1", "w2", "a_ref", "s_ref"))
+    for name in ("w1", "w2"):
+        _require(getattr(weights, name) >= 0, name, getattr(weights, name))
+    for name in ("a_ref", "s_ref"):
+        _require(getattr(weights, name) > 0, name, getattr(weights, name))
+
+
+@_check.register
+def _(shape: PotentialParameters) -> None:
+    _require_finite(shape, ("alpha", "r", "p"))
+
+
+@_check.register
+def _(sampling: Sampling) -> None:
+    _require(isfinite(sampling.T), "finite", "T", sampling.T, "s")
+    _require(sampling.T > 0, "T", sampling.T)
+    policies = list(Lemma1Policy)
+    _require(sampling.policy in policies, "choice", "lemma1_policy", sampling.policy, min(policies), max(policies))
+    _require(sampling.max_short_periods >= 1, "count", "max_short_periods", sampling.max_short_periods)
+
+
+@_check.register
+def _(state: PlatoonState) -> None:
+    s, v, constants = state.s, state.v, validate(state.constants)
+    _require(s.ndim == 1 and v.ndim == 1 and s.size == v.size - 1, "shape", s.size, v.size)
+    _require(isfinite(state.x_leader), "finite", "x_start", state.x_leader, "m")
+    for i, spacing in enumerate(s.tolist(), start=2):
+        _require(isfinite(spacing), "finite", f"s_start[{i}]", spacing, "m")
+        _require(spacing > constants.L, "gap", i, spacing, constants.L)
+    for i, speed in enumerate(v.tolist(), start=1):
+        _require(isfinite(speed), "finite", f"v_start[{i}]", speed, "m/s")
+        _require(0 <= speed <= constants.v_max, "speed", i, speed, constants.v_max, i)
