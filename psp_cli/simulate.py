@@ -74,11 +74,10 @@ def _with_step(scenario: Scenario, step: str) -> Scenario:
 
 def _show(runs: dict[str, Run], plot: Path | None) -> None:
     """Print the figures of the runs, and draw them where asked."""
-    from psp_model.analysis.figures import figures_of_run
 
     from .tables import figures_table
 
-    typer.echo(figures_table({name: figures_of_run(run) for name, run in runs.items()}))
+    typer.echo(figures_table({name: run.figures() for name, run in runs.items()}))
     if plot is not None:
         from psp_view.runs import save_runs
 

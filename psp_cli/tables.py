@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from psp_model.analysis.figures import Figure
+    from psp_model.figures import Figure
 
 
 def figures_table(columns: Mapping[str, Sequence[Figure]]) -> str:

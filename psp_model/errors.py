@@ -68,6 +68,10 @@ SENTENCES = {
     "compiler": "the rollouts could not be compiled (%s): install the extra psp-platoon[offline], which brings "
     "a C compiler",
     "duration": "duration = %.10g s must be finite and not negative: give the run a length of 0 s or more",
+    "batch_empty": "there are no starts to run: give at least one",
+    "batch_starts": "start %d, with %d vehicles, does not go with the first, with %d: give all starts of a batch the same "
+    "number of vehicles, at least 2, and the same constants",
+    "batch_potentials": "%d potentials do not fit %d starts: give one for all, or one for each",
     "output_step": "output_step = %.10g s must be positive and finite: give it a time above 0 s",
     "limits": "a_min = %.10g m/s2 must be negative and a_max = %.10g m/s2 positive: a vehicle has to be able to "
     "slow down and to speed up",

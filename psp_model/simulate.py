@@ -1,13 +1,11 @@
-"""A run of the platoon without FMI."""
+"""Runs of the platoon without FMI."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import inf
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .errors import ModelError
 from .law.controller import MakeController, PaperLaw
@@ -15,39 +13,11 @@ from .law.potential import Potential
 from .objective import HORIZON
 from .parameters import ObjectiveWeights
 from .platoon import SampledPlatoon
+from .run import Run
 from .sampling.clock import locate
 from .sampling.hold import IDEAL, Plant
 from .sampling.policy import Sampling
 from .state import PlatoonState
-
-
-@dataclass(frozen=True, eq=False)
-class Run:
-    """What a run put out, K times along the first axis.
-
-    Attributes
-    ----------
-    time : (K,) [s]
-    x, v, a : (K, n) positions [m], speeds [m/s], accelerations [m/s2]
-    s : (K, n-1) gaps [m]
-    T_max : (K,) Lemma 1's bound at the last sampling instant [s]
-    cost : (K, 2) running terms of J, of acceleration and of gaps
-    violations : sampling instants at which T was not certified
-    """
-
-    time: NDArray[np.float64]
-    x: NDArray[np.float64]
-    s: NDArray[np.float64]
-    v: NDArray[np.float64]
-    a: NDArray[np.float64]
-    T_max: NDArray[np.float64]
-    cost: NDArray[np.float64]
-    violations: int
-
-    @property
-    def J(self) -> float:
-        """The objective at the end of the run."""
-        return float(self.cost[-1].sum())
 
 
 def simulate(

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from psp_model.parameters import PlatoonParameters
+from psp_model.run import Run
 from psp_model.sampling.hold import relative
-from psp_model.simulate import Run
 
 from .style import RC, caption, colours, new_figure
 

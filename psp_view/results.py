@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from psp_model.simulate import Run
+from psp_model.run import Run
 from psp_model.whole_file import whole_file
 
 

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from psp_model.simulate import Run
+from psp_model.run import Run
 
 from .style import RC, caption, colours, new_figure, save
 

@@ -7,14 +7,15 @@ from dataclasses import dataclass, replace
 from psp_model.law.potential import PotentialParameters
 from psp_model.objective import HORIZON
 from psp_model.parameters import ObjectiveWeights
+from psp_model.run import Run
 from psp_model.sampling.policy import Sampling
 from psp_model.selection.network import ParameterNetwork
 from psp_model.selection.selectors import ParameterSource, Request, select_for
-from psp_model.simulate import Run, simulate
+from psp_model.simulate import simulate
 from psp_model.state import PlatoonState
 
+from ..figures import Figure
 from .certificate import Certificate, certify
-from .figures import Figure, figures_of_run
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,4 +131,4 @@ def figures(case: Case) -> list[Figure]:
     """
     shape = case.shape
     parameters = [Figure("alpha", "1", shape.alpha), Figure("r", "m", shape.r), Figure("p", "1", shape.p)]
-    return figures_of_run(case.run) + parameters
+    return case.run.figures() + parameters

@@ -12,9 +12,9 @@ from psp_model.law.potential import PotentialParameters
 from psp_model.objective import HORIZON
 from psp_model.parameters import PlatoonParameters
 from psp_model.platoon import SampledPlatoon
+from psp_model.run import Run
 from psp_model.sampling.lemma1 import period_bounds
 from psp_model.sampling.policy import Lemma1Policy, Sampling
-from psp_model.simulate import Run
 from psp_model.state import PlatoonState
 
 KINDS = ("gap to the vehicle ahead", "speed limit", "standstill")

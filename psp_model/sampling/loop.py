@@ -105,7 +105,7 @@ class Instant:
 
 
 def begin(loop: Loop, x: float, s: Vector, v: Vector) -> tuple[Instant, Verdict]:
-    """The first sampling instant of a run.
+    """The first sampling instant of a run (ours).
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def begin(loop: Loop, x: float, s: Vector, v: Vector) -> tuple[Instant, Verdict]
 
 
 def step(loop: Loop, now: Instant) -> tuple[Instant, Verdict]:
-    """The next sampling instant.
+    """The next sampling instant (ours).
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def step(loop: Loop, now: Instant) -> tuple[Instant, Verdict]:
 def resample(
     loop: Loop, now: Instant, at: tuple[int, float], motion: tuple[float, Vector, Vector]
 ) -> tuple[Instant, Verdict]:
-    """Sample once more, between or at the clock's instants, because the vehicles or the potential have changed.
+    """Sample once more, between or at the clock's instants, because the vehicles or the potential have changed (ours).
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def resample(
 
 
 def after(loop: Loop, now: Instant, tau: float) -> tuple[Any, Vector]:
-    """State of the plant and terms of J a time tau after a sampling instant.
+    """State of the plant and terms of J a time tau after a sampling instant (ours).
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ def after(loop: Loop, now: Instant, tau: float) -> tuple[Any, Vector]:
 
 
 def refusal(loop: Loop, now: Instant, verdict: Verdict) -> ModelError:
-    """The sentence that says why an instant is not certified, with its values, bound and remedy.
+    """The sentence that says why an instant is not certified, with its values, bound and remedy (ours).
 
     Parameters
     ----------
@@ -185,7 +185,7 @@ def refusal(loop: Loop, now: Instant, verdict: Verdict) -> ModelError:
 
 
 def with_potential(loop: Loop, potential: Potential) -> Loop:
-    """The same loop with another potential.
+    """The same loop with another potential (ours).
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ class Decided(NamedTuple):
 
 
 def decide(controller: Controller, memory: Any, vehicles: Any) -> Decided:
-    """The commands at a sampling instant, and the period that Lemma 1 certifies for them.
+    """The commands at a sampling instant, and the period that Lemma 1 certifies for them (ours).
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def decide(controller: Controller, memory: Any, vehicles: Any) -> Decided:
 
 
 def hold(plant: Plant[Any], vehicles: Any, a: Any, tau: Any, weights: ObjectiveWeights) -> tuple[Any, tuple[Any, Any]]:
-    """The plant a time tau after a sampling instant, and what that adds to the two terms of J.
+    """The plant a time tau after a sampling instant, and what that adds to the two terms of J (ours).
 
     Parameters
     ----------

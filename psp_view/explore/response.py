@@ -8,13 +8,14 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from psp_model.analysis.figures import Figure, figures_of_run
 from psp_model.errors import ModelError
+from psp_model.figures import Figure
 from psp_model.law.potential import V_OLD, PotentialParameters
 from psp_model.parameters import HILL_WIDTH, P_MAX, P_MIN, PlatoonParameters
+from psp_model.run import Run
 from psp_model.sampling.policy import Lemma1Policy, Sampling
 from psp_model.selection.feasible import max_slope, project, require_feasible
-from psp_model.simulate import Run, simulate
+from psp_model.simulate import simulate
 from psp_model.state import PlatoonState
 from psp_model.validate import validate
 
@@ -90,7 +91,7 @@ def respond(choice: Choice, constants: PlatoonParameters, duration: float = 20.0
         except ModelError as error:
             problem = str(error)
     run = simulate(start, shape, sampling=Sampling(policy=Lemma1Policy.WARN), duration=duration)
-    return Response(run, line, slope, problem, tuple(figures_of_run(run)))
+    return Response(run, line, slope, problem, tuple(run.figures()))
 
 
 @lru_cache(maxsize=64)

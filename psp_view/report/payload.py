@@ -11,7 +11,7 @@ from matplotlib.colors import to_hex
 from numpy.typing import NDArray
 
 from psp_model.analysis.cases import Case
-from psp_model.simulate import Run
+from psp_model.run import Run
 
 from ..motion import moving_frame
 from ..potentials import curve

@@ -57,31 +57,61 @@ class Problem:
     horizon: float = HORIZON
 
 
-def _step(problem: Problem, with_period: bool) -> str:
-    """C source of one sampling period: (s, v), (alpha, r, p) -> (s, v, added to J, T_max), written from the model."""
+@dataclass(frozen=True)
+class _Form:
+    """What a compiled engine works in and what it gives.
+
+    Attributes
+    ----------
+    real : "float" or "double"
+    sums, lows, highs : how many numbers of a period are added up, and of how many the smallest or largest counts
+    kept : whether the final state is given, too
+    """
+
+    real: str
+    sums: int
+    lows: int
+    highs: int = 0
+    kept: bool = False
+
+
+_COSTS = {"float": _Form("float", sums=1, lows=0), "double": _Form("double", sums=1, lows=1)}
+_SUMMARY = _Form("double", sums=2, lows=2, highs=1, kept=True)
+
+
+def _step(problem: Problem, form: _Form) -> str:
+    """C source of one sampling period: (s, v), (alpha, r, p, hill) -> (s, v, numbers of `form`), from the model."""
     import casadi
 
     n, T = problem.vehicles, problem.T
-    s, v, triple = casadi.SX.sym("s", n - 1), casadi.SX.sym("v", n), casadi.SX.sym("triple", 3)
-    shape = generic(PotentialParameters, alpha=triple[0], r=triple[1], p=triple[2])
-    law = PaperLaw(shape, problem.constants)
-    vehicles = IDEAL.begin(casadi.SX(0.0), s, v)
-    _, a, period = decide(law, None, vehicles)
+    s, v = casadi.SX.sym("s", n - 1), casadi.SX.sym("v", n)
+    symbols = casadi.SX.sym("shape", 4 if form.kept else 3)  # the search knows potentials with a hill only
+    names = ("alpha", "r", "p", "hill")[: symbols.numel()]
+    shape = generic(PotentialParameters, **{name: symbols[place] for place, name in enumerate(names)})
+    law, vehicles = PaperLaw(shape, problem.constants), IDEAL.begin(casadi.SX(0.0), s, v)
+    _, a, T_max = decide(law, None, vehicles)
     after, added = hold(IDEAL, vehicles, a, T, problem.weights)
-    out = casadi.vertcat(after.s, after.v, sum(added), period if with_period else casadi.SX(0.0))
-    function = casadi.Function("step", [casadi.vertcat(s, v), triple], [out], {"cse": True})
+    if form.kept:
+        numbers = [*added, T_max, casadi.mmin(after.s), casadi.mmax(casadi.fabs(a))]
+    else:
+        numbers = [sum(added), *([T_max] if form.lows else [])]
+    out = casadi.vertcat(after.s, after.v, *numbers)
+    function = casadi.Function("step", [casadi.vertcat(s, v), symbols], [out], {"cse": True})
     options: dict[str, Any] = {"with_header": False, "casadi_real": "REAL", "casadi_int": "int", "include_math": False}
     generator = casadi.CodeGenerator("step", options)
     generator.add(function)
     return str(generator.dump())
 
 
-def _source(problem: Problem, real: str) -> str:
-    """The whole C file for one problem in `float` or `double`."""
-    single = real == "float"
-    head = ["#include <stdint.h>", f"typedef {real} REAL;", f"enum {{ VEHICLES = {problem.vehicles} }};"]
+def _source(problem: Problem, form: _Form) -> str:
+    """The whole C file for one problem."""
+    single = form.real == "float"
+    sizes = {"VEHICLES": problem.vehicles, "SHAPE": 4 if form.kept else 3, "KEPT": int(form.kept)}
+    sizes |= {"SUMS": form.sums, "LOWS": form.lows, "HIGHS": form.highs}
+    constants = ", ".join(f"{name} = {size}" for name, size in sizes.items())
+    head = ["#include <stddef.h>", "#include <stdint.h>", f"typedef {form.real} REAL;", f"enum {{ {constants} }};"]
     head.append((_HERE / "vector_math.h").read_text() if single else "#include <math.h>")
-    step = _step(problem, with_period=not single)
+    step = _step(problem, form)
     step = step.replace("static int casadi_f0", "static inline __attribute__((always_inline)) int casadi_f0", 1)
     return "\n".join([*head, step, (_HERE / "rollouts.c").read_text()])
 
@@ -92,10 +122,10 @@ def _cache() -> Path:
     return Path(base) / "psp-platoon"
 
 
-def _library(problem: Problem, real: str) -> ctypes.CDLL:
+def _library(problem: Problem, form: _Form) -> ctypes.CDLL:
     """The compiled engine, from the cache where it has been built before."""
-    source = _source(problem, real)
-    command = [sys.executable, "-m", "ziglang", "cc", *_FLAGS[real], *_COMMON]
+    source = _source(problem, form)
+    command = [sys.executable, "-m", "ziglang", "cc", *_FLAGS[form.real], *_COMMON]
     machine = next((line for line in _cpuinfo() if line.startswith("flags")), "")
     name = hashlib.sha256("\0".join([source, *command, machine]).encode()).hexdigest()[:24]
     path = _cache() / f"{name}.so"
@@ -116,6 +146,27 @@ def _cpuinfo() -> list[str]:
     return path.read_text().splitlines() if path.exists() else []
 
 
+@dataclass(frozen=True, eq=False)
+class Summaries:
+    """What N rollouts came to.
+
+    Attributes
+    ----------
+    cost : (N, 2) terms of J, of acceleration and of spacings
+    T_max : (N,) smallest bound of Lemma 1 on the way [s]
+    s_min : (N,) smallest spacing at any sampling instant after the first [m]
+    a_peak : (N,) largest |acceleration| [m/s2]
+    s, v : (N, n-1) spacings [m] and (N, n) speeds [m/s] at the end
+    """
+
+    cost: Array
+    T_max: Array
+    s_min: Array
+    a_peak: Array
+    s: Array
+    v: Array
+
+
 @dataclass(frozen=True)
 class Engine:
     """Rolls out many (start, triple) pairs at once; threads share the work, and the result does not depend on how.
@@ -132,15 +183,19 @@ class Engine:
     threads: int | None = None
 
     @cached_property
-    def _function(self) -> Any:
-        return _library(self.problem, self.real).rollouts
+    def _of_costs(self) -> Any:
+        return _library(self.problem, _COSTS[self.real]).rollouts
+
+    @cached_property
+    def _of_summaries(self) -> Any:
+        return _library(self.problem, _SUMMARY).rollouts
 
     def costs(self, starts: Array, which: Array, triples: Array) -> tuple[Array, Array]:
         """J of every rollout, and the smallest T_max on the way.
 
         Parameters
         ----------
-        starts : (B, 2n-1) array, gaps [m] then speeds [m/s] of each start
+        starts : (B, 2n-1) array, spacings [m] then speeds [m/s] of each start
         which : (N,) array, the start of each rollout
         triples : (N, 3) array, alpha [1], r [m], p [1] of each rollout
 
@@ -149,21 +204,40 @@ class Engine:
         J : (N,) array
         T_max : (N,) array, smallest bound of Lemma 1 [s]; in "double" only, 0 otherwise
         """
-        dtype = np.float32 if self.real == "float" else np.float64
+        form = _COSTS[self.real]
+        found = self._run(self._of_costs, form, starts, which, triples)
+        J = np.ascontiguousarray(found[:, 0])
+        return J, np.ascontiguousarray(found[:, 1]) if form.lows else np.zeros_like(J)
+
+    def summaries(self, starts: Array, which: Array, shapes: Array) -> Summaries:
+        """What every rollout came to, always in double precision.
+
+        Parameters
+        ----------
+        starts, which : as for `costs`
+        shapes : (N, 4) array, alpha [1], r [m], p [1] and hill [1] of each rollout
+        """
+        found, n = self._run(self._of_summaries, _SUMMARY, starts, which, shapes), self.problem.vehicles
+        ends = found[:, 5:]
+        return Summaries(found[:, :2], found[:, 2], found[:, 3], found[:, 4], ends[:, : n - 1], ends[:, n - 1 :])
+
+    def _run(self, rollouts: Any, form: _Form, starts: Array, which: Array, shapes: Array) -> Array:
+        """The (N, results) numbers that the compiled engine gives, piece by piece."""
+        dtype = np.float32 if form.real == "float" else np.float64
         starts = np.ascontiguousarray(starts, dtype=dtype)
         which = np.ascontiguousarray(which, dtype=np.int32)
-        triples = np.ascontiguousarray(triples, dtype=dtype)
-        J, T_max = np.empty(which.size, dtype), np.empty(which.size, dtype)
+        shapes = np.ascontiguousarray(shapes, dtype=dtype)
+        state = 2 * self.problem.vehicles - 1 if form.kept else 0
+        results = np.empty((which.size, form.sums + form.lows + form.highs + state), dtype)
         steps = round(self.problem.horizon / self.problem.T)
 
         def piece(first: int) -> None:
             part = slice(first, first + _PIECE)
-            arrays = (starts, which[part], triples[part], J[part], T_max[part])
+            arrays = (starts, which[part], shapes[part], results[part])
             pointers = [ctypes.c_void_p(array.ctypes.data) for array in arrays]
             rollouts(which[part].size, steps, *pointers)
 
-        rollouts = self._function  # compiled before the threads start, so that they do not compile it twice
         firsts = range(0, which.size, _PIECE)
         with ThreadPoolExecutor(self.threads or os.cpu_count()) as pool:
             list(pool.map(piece, firsts))
-        return J, T_max
+        return results
