@@ -40,3 +40,8 @@ def min(vector: Any, axis: int = 0) -> Any:
 def abs(vector: Any) -> Any:
     """The absolute value of `vector`, element by element."""
     return casadi.fabs(vector)
+
+
+def sqrt(vector: Any) -> Any:
+    """The square root of `vector`, element by element."""
+    return casadi.sqrt(vector)

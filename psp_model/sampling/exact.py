@@ -1,0 +1,61 @@
+"""The exact period: how long the commands held keep everybody apart and below the speed limit (ours)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..namespaces import array_namespace, smallest
+from ..parameters import PlatoonParameters
+from .hold import relative
+from .lemma1 import period_bounds
+
+
+def first_contact(c: Any, b: Any, a: Any) -> Any:
+    """The first time at which c + b t + a t^2 / 2 falls to 0 (ours).
+
+    Written so that no difference of nearly equal numbers is taken: for b < 0 the smaller root is 2c / (sqrt(D) - b), and
+    for b >= 0, a < 0 the only positive one is (b + sqrt(D)) / -a, with D = b^2 - 2 a c.
+
+    Parameters
+    ----------
+    c : array, distance left [m], above 0
+    b : array like c, its rate of change [m/s]
+    a : array like c, its second derivative [m/s2], constant
+
+    Returns
+    -------
+    array like c [s]; infinite where the distance never falls to 0
+    """
+    xp = array_namespace(c)
+    D = b * b - 2.0 * a * c
+    root = xp.sqrt(xp.maximum(D, 0.0))
+    closing = b < 0.0
+    braking = a < 0.0
+    soon = 2.0 * c / xp.where(closing, root - b, 1.0)
+    late = (b + root) / xp.where(braking, -a, 1.0)
+    found = xp.where(closing, soon, xp.where(braking, late, np.inf))
+    return xp.where(D < 0.0, np.inf, found)
+
+
+def exact_period(s: Any, v: Any, a: Any, constants: PlatoonParameters) -> Any:
+    """T_exact: the first time at which, under the accelerations held, a spacing falls to L or a speed leaves its bounds.
+
+    Who knows all commands can compute it; Lemma 1 asks each vehicle to be safe whatever its neighbours do (ours).  The
+    bounds of the speeds are Lemma 1's own.
+
+    Parameters
+    ----------
+    s : (n-1, ...) array, spacings [m], above L
+    v : (n, ...) array, speeds [m/s], in [0, v_max]
+    a : (n, ...) array, accelerations about to be held [m/s2]
+    constants : of the model
+
+    Returns
+    -------
+    (...) array [s]; a sampling period T is certified at this instant iff T < T_exact
+    """
+    _, of_speeds = period_bounds(s, v, a, constants)
+    of_spacings = first_contact(s - constants.L, relative(v), relative(a))
+    return smallest(array_namespace(of_speeds).concat([of_spacings, of_speeds]))

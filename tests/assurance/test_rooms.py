@@ -1,0 +1,69 @@
+"""Imports point down: the picture of the architecture page is true (docs/rooms.toml)."""
+
+from __future__ import annotations
+
+import ast
+import sys
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+FLOORS = tomllib.loads((ROOT / "docs" / "rooms.toml").read_text(encoding="utf-8"))["floors"]
+ROOMS: dict[str, tuple[int, Any]] = {
+    room["path"]: (floor, room) for floor, level in enumerate(FLOORS) for room in level["rooms"]
+}
+OURS = ("psp_model", "fmu_src", "psp_view", "psp_traffic", "psp_cli", "build_fmu")
+FILES = [
+    path.relative_to(ROOT)
+    for package in OURS
+    for path in ([ROOT / f"{package}.py"] if package == "build_fmu" else sorted((ROOT / package).rglob("*.py")))
+]
+
+
+def room_of(module: str) -> str:
+    """The room of a module, by the longest path that fits."""
+    path = module.replace(".", "/")
+    return max((room for room in ROOMS if path == room or path.startswith(room + "/")), key=len)
+
+
+def module_of(path: Path) -> str:
+    return ".".join(path.with_suffix("").parts).removesuffix(".__init__")
+
+
+def imports(path: Path) -> Iterator[tuple[int, str]]:
+    """Line and absolute name of every module imported, wherever in the file."""
+    package = module_of(path) if path.name == "__init__.py" else module_of(path).rpartition(".")[0]
+    for node in ast.walk(ast.parse((ROOT / path).read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from ((node.lineno, alias.name) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            parts = package.split(".")[: len(package.split(".")) - node.level + 1] if node.level else []
+            base = ".".join([*parts, *([node.module] if node.module else [])])
+            for alias in node.names:
+                inner = ROOT / f"{base}.{alias.name}".replace(".", "/")
+                is_module = inner.is_dir() or inner.with_suffix(".py").exists()
+                yield node.lineno, f"{base}.{alias.name}" if base.split(".")[0] in OURS and is_module else base
+
+
+@pytest.mark.parametrize("path", FILES, ids=str)
+def test_imports_point_down(path: Path) -> None:
+    floor, room = ROOMS[room_of(module_of(path))]
+    for line, name in imports(path):
+        top = name.split(".")[0]
+        if top in OURS:
+            if name == "psp_model" and floor > ROOMS["psp_model"][0]:
+                continue
+            below, other = ROOMS[room_of(name)]
+            assert below < floor or other is room, f"{path}:{line} imports {name}, which is not below it"
+        elif top not in sys.stdlib_module_names:
+            allowed = {"numpy", "typing_extensions", *room.get("foreign", [])}
+            assert top in allowed, f"{path}:{line} imports {top}, which its room knows nothing of"
+
+
+def test_every_room_has_something_in_it() -> None:
+    inhabited = {room_of(module_of(path)) for path in FILES}
+    assert inhabited == set(ROOMS)
