@@ -4,23 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from enum import IntEnum
+from enum import Enum, IntEnum
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .callbacks import Warns, silent
 from .errors import ModelError
-from .law.feedback import feedback
+from .law.feedback import feedback, feedback_towards
 from .law.potential import V_OLD, PotentialParameters
 from .parameters import ObjectiveWeights, PlatoonParameters
 from .sampling.lemma1 import largest_period
 from .sampling.policy import Lemma1Policy, Sampling
 from .selection.feasible import require_feasible
 from .selection.network import ParameterNetwork
-from .selection.selectors import Request, choose_for_any_number
+from .selection.selectors import Request, Selector, selector_for
+from .state import read_only
 
 Vector = NDArray[np.float64]
 
+ROUNDING = 1e-6  # [1] of L or v_max: what is measured so little outside the state space is taken as its bound (ours)
 NO_LIMIT = 1000.0  # [m/s2] a bound on the command that stands for none; importers do not like infinity
 
 
@@ -44,10 +48,6 @@ class ControllerSettings:
     bad_input : what bad measurements lead to
     a_safe : command of the safe action, until standstill [m/s2] (ours)
     max_age : inputs older than this are stale [s] (ours)
-
-    Raises
-    ------
-    ModelError : where the bounds, a_safe or max_age make no sense
     """
 
     capacity: int
@@ -61,15 +61,29 @@ class ControllerSettings:
     a_safe: float = -2.0
     max_age: float = 1e9
 
-    def __post_init__(self) -> None:
-        if not -np.inf < self.a_min < 0 < self.a_max < np.inf:
-            raise ModelError("limits", self.a_min, self.a_max)
-        if not self.a_min <= self.a_safe <= 0:
+    def checked(self) -> ControllerSettings:
+        """The same.
+
+        Raises
+        ------
+        ModelError : where the bounds, a_safe or max_age make no sense, or the fixed triple is not feasible
+        """
+        for name in ("a_min", "a_max", "a_safe"):
+            if not np.isfinite(getattr(self, name)):
+                raise ModelError("finite", name, getattr(self, name), "m/s2")
+        if not self.a_min < 0:
+            raise ModelError("a_min", self.a_min)
+        if not self.a_max > 0:
+            raise ModelError("a_max", self.a_max)
+        if not self.a_safe <= 0:
+            raise ModelError("a_safe_positive", self.a_safe)
+        if not self.a_safe >= self.a_min:
             raise ModelError("a_safe", self.a_safe, self.a_min)
         if not self.max_age > 0:
             raise ModelError("max_age", self.max_age)
         if not self.request.old:
             require_feasible(self.request.fixed, self.constants)
+        return self
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +96,8 @@ class Measurement:
     n_active : vehicles under control
     resolve : alpha, r, p are chosen anew where this rises above 0.5
     age : time since gaps and speeds were measured [s]
-    v_desired : desired speed instead of v_star, None for v_star [m/s] (ours: the paper has one v_star for good)
+    v_desired : desired speed instead of v_star, 0 to stand, None for v_star [m/s] (ours: the paper has one v_star for
+        good)
     """
 
     s: Vector
@@ -124,27 +139,176 @@ class Command:
     shape: PotentialParameters
 
 
+class Verdict(Enum):
+    """What is to be said of a decision."""
+
+    IN_ORDER = 1
+    NOT_CERTIFIED = 2
+    BAD_MEASUREMENT = 3  # the command is the fail-safe one
+
+
+class Decision(NamedTuple):
+    """What was decided, and what is to be said of it.
+
+    Attributes
+    ----------
+    command : the command, and the new state of the controller
+    verdict : what is to be said of it
+    why : the sentence, None where all is in order
+    warning : why the potential is not the one asked for, None where it is
+    """
+
+    command: Command
+    verdict: Verdict
+    why: ModelError | None = None
+    warning: str | None = None
+
+
+def no_command(settings: ControllerSettings) -> Command:
+    """The state before the first sampling instant: nothing is commanded.
+
+    Parameters
+    ----------
+    settings : what the controller is told once
+    """
+    nobody, request = read_only(np.zeros(settings.capacity)), settings.request
+    shape = V_OLD if request.old else request.fixed
+    return Command(nobody, nobody > 0, True, 0.0, 0, 0, 0, 0, False, 0.0, shape)
+
+
+def decide(
+    settings: ControllerSettings, selector: Selector, before: Command, time: float, measured: Measurement
+) -> Decision:
+    """The decision at a sampling instant; pure (ours, except the law).
+
+    Parameters
+    ----------
+    settings : what the controller is told once
+    selector : who selects alpha, r, p
+    before : the last decision
+    time : of the instant [s], for messages
+    measured : the inputs
+
+    Raises
+    ------
+    ModelError : where a network file is at fault
+    """
+    try:
+        taken = _in_order(settings, measured)
+    except ModelError as error:
+        return Decision(_fail_safe(settings, before, measured), Verdict.BAD_MEASUREMENT, error)
+    return _regular(settings, selector, before, time, taken)
+
+
+def _in_order(settings: ControllerSettings, measured: Measurement) -> Measurement:
+    """The inputs of the active vehicles, inside the state space; ModelError where an input is not in order.
+
+    What lies outside by no more than ROUNDING is taken as the bound, a spacing as the next number above L: vehicles
+    that stand have speeds and spacings such as -1e-18 m/s and L - 1e-12 m.  Under policy 1, which asks for spacings
+    above L + v_max T, a spacing of L or less is refused all the same.
+    """
+    n = measured.n_active
+    L, v_max = settings.constants.L, settings.constants.v_max
+    above_L = np.nextafter(L, np.inf)
+    least = above_L if settings.sampling.policy == Lemma1Policy.ERROR else L - ROUNDING * L
+    if not (1 <= n <= settings.capacity and n == int(n)):
+        raise ModelError("active", n, settings.capacity)
+    if not np.isfinite(measured.age):
+        raise ModelError("age", measured.age)
+    if not measured.age <= settings.max_age:
+        raise ModelError("stale", measured.age, settings.max_age)
+    if not np.isfinite(measured.resolve):
+        raise ModelError("finite", "resolve", measured.resolve, "1")
+    desired = measured.v_desired
+    if desired is not None:
+        _require_desired(desired, v_max)
+        desired = min(max(desired, 0.0), v_max)
+    s, v = measured.s[: int(n) - 1], measured.v[: int(n)]
+    for i in np.flatnonzero(~((s >= least) & (s < np.inf))).tolist():
+        raise _bad_gap(i + 2, s[i], L)
+    for i in np.flatnonzero(~((v >= -ROUNDING * v_max) & (v <= v_max + ROUNDING * v_max))).tolist():
+        raise _bad_speed(i + 1, v[i], v_max)
+    s, v = np.maximum(s, above_L), np.clip(v, 0.0, v_max)
+    return replace(measured, s=s, v=v, v_desired=desired)
+
+
+def _regular(
+    settings: ControllerSettings, selector: Selector, before: Command, time: float, measured: Measurement
+) -> Decision:
+    """The bounded feedback for vehicles that are in order."""
+    constants, T = settings.constants, settings.sampling.T
+    s, v, n = measured.s, measured.v, measured.v.size
+    shape, in_domain, choices, warning = before.shape, before.in_domain, before.choices, None
+    if n != before.n_active or measured.resolve > 0.5 >= before.resolve:
+        shape, in_domain, warning = selector.select(s, v, constants)
+        choices += 1
+    if measured.v_desired is None:
+        wanted = feedback(s, v, shape, constants)
+    else:
+        wanted = feedback_towards(s, v, shape, constants, measured.v_desired)
+    a, saturated = np.zeros(settings.capacity), np.zeros(settings.capacity, dtype=bool)
+    a[:n] = np.clip(wanted, settings.a_min, settings.a_max)
+    saturated[:n] = a[:n] != wanted
+    T_max = float(largest_period(s, v, a[:n], constants))
+    certified = T_max > T
+    counts = (before.violations + (not certified), before.faults, choices)
+    now = Command(a, saturated, True, T_max, *counts, n, in_domain, measured.resolve, shape)
+    if certified:
+        return Decision(now, Verdict.IN_ORDER, warning=warning)
+    return Decision(now, Verdict.NOT_CERTIFIED, _violation(time, T, T_max, s, constants), warning)
+
+
+def _fail_safe(settings: ControllerSettings, before: Command, measured: Measurement) -> Command:
+    """The fail-safe command: everybody slows down by a_safe, but not below standstill where the speed is known."""
+    known = np.where(np.isfinite(measured.v), np.maximum(measured.v, 0.0), np.inf)
+    a = np.maximum(settings.a_safe, -known / settings.sampling.T)
+    n = measured.n_active
+    active = int(n) if 1 <= n <= settings.capacity and n == int(n) else settings.capacity
+    a[active:] = 0.0
+    return replace(
+        before, a=a, saturated=np.zeros(settings.capacity, dtype=bool), in_order=False, T_max=0.0, faults=before.faults + 1
+    )
+
+
 @dataclass
-class SampledController:
-    """The feedback law for measured vehicles; the state is one immutable `Command`.
+class SampledController(Warns):
+    """The feedback law for measured vehicles: a shell around `decide` that acts on its verdicts as the policies say.
 
     Attributes
     ----------
     settings : what it is told once
-    networks : by number of vehicles
-    warn : called with one sentence for each thing to be warned of
+    selector : who selects alpha, r, p
     now : the command held, all zeros before the first sampling instant
+    warn : called with one sentence for each thing to be warned of
     """
 
     settings: ControllerSettings
-    networks: Mapping[int, ParameterNetwork] = field(default_factory=dict)
-    warn: Callable[[str], None] = lambda sentence: None
-    now: Command = field(init=False)
+    selector: Selector
+    now: Command
+    warn: Callable[[str], None] = silent
 
-    def __post_init__(self) -> None:
-        n, request = self.settings.capacity, self.settings.request
-        nobody, shape = np.zeros(n), V_OLD if request.old else request.fixed
-        self.now = Command(nobody, nobody > 0, True, 0.0, 0, 0, 0, 0, False, 0.0, shape)
+    @classmethod
+    def begin(
+        cls,
+        settings: ControllerSettings,
+        networks: Mapping[int, ParameterNetwork] | None = None,
+        warn: Callable[[str], None] = silent,
+    ) -> SampledController:
+        """A controller before its first sampling instant.
+
+        Parameters
+        ----------
+        settings : what it is told once
+        networks : by number of vehicles
+        warn : as the attribute
+
+        Raises
+        ------
+        ModelError : where the settings make no sense
+        """
+        settings.checked()
+        selector = selector_for(settings.request, networks or {}, settings.weights, settings.sampling)
+        return cls(settings, selector, no_command(settings), warn)
 
     def sample(self, time: float, measured: Measurement) -> None:
         """Decide at a sampling instant and make the decision `now`.
@@ -159,81 +323,57 @@ class SampledController:
         ModelError : with bad_input 1 where the inputs are not in order; under policy 1 where T is not certified; where
             a network file is at fault
         """
-        try:
-            n = self._require_order(measured)
-        except ModelError as error:
-            if self.settings.bad_input is BadMeasurement.ERROR:
-                raise
-            if self.now.in_order:
-                self.warn(str(ModelError("safe_action", time, str(error))))
-            self.now = self._safe_action(measured)
-            return
-        self.now = self._regular(time, n, measured)
-
-    def _require_order(self, measured: Measurement) -> int:
-        """The number of active vehicles; ModelError where an input is not in order."""
-        settings = self.settings
-        L, v_max = settings.constants.L, settings.constants.v_max
-        n = measured.n_active
-        if not (1 <= n <= settings.capacity and n == int(n)):
-            raise ModelError("active", n, settings.capacity)
-        if not measured.age <= settings.max_age:
-            raise ModelError("stale", measured.age, settings.max_age)
-        if not np.isfinite(measured.resolve):
-            raise ModelError("finite", "resolve", measured.resolve, "1")
-        if measured.v_desired is not None and not 0 < measured.v_desired < v_max:
-            raise ModelError("v_desired", measured.v_desired, v_max)
-        s, v = measured.s[: int(n) - 1], measured.v[: int(n)]
-        for i in np.flatnonzero(~((s > L) & (s < np.inf))).tolist():
-            raise _outside("s", i + 2, s[i], "m", ModelError("measured_gap", i + 2, s[i], L))
-        for i in np.flatnonzero(~((v >= 0) & (v <= v_max))).tolist():
-            raise _outside("v", i + 1, v[i], "m/s", ModelError("measured_speed", i + 1, v[i], v_max))
-        return int(n)
-
-    def _regular(self, time: float, n: int, measured: Measurement) -> Command:
-        """The bounded feedback for n vehicles that are in order."""
-        settings, before = self.settings, self.now
-        s, v, T = measured.s[: n - 1], measured.v[:n], settings.sampling.T
-        shape, in_domain, choices = before.shape, before.in_domain, before.choices
-        if n != before.n_active or measured.resolve > 0.5 >= before.resolve:
-            request, weights = settings.request, settings.weights
-            how = (request, self.networks, weights, settings.sampling, self.warn)
-            shape, in_domain = choose_for_any_number(s, v, settings.constants, *how)
-            choices += 1
-        constants = settings.constants
-        if measured.v_desired is not None:
-            constants = replace(constants, v_star=measured.v_desired)
-        wanted = feedback(s, v, shape, constants)
-        a = np.zeros(settings.capacity)
-        a[:n] = np.clip(wanted, settings.a_min, settings.a_max)
-        saturated = np.zeros(settings.capacity, dtype=bool)
-        saturated[:n] = a[:n] != wanted
-        T_max = float(largest_period(s, v, a[:n], settings.constants))
-        certified = T_max > T
-        if not certified:
-            error = ModelError("lemma1_controller", T, T_max, time, T_max)
-            if settings.sampling.policy is Lemma1Policy.ERROR:
-                raise error
-            if before.violations == 0 or before.T_max > T:
-                self.warn(str(error))
-        violations = before.violations + (not certified)
-        return Command(
-            a, saturated, True, T_max, violations, before.faults, choices, n, in_domain, measured.resolve, shape
-        )
-
-    def _safe_action(self, measured: Measurement) -> Command:
-        """Everybody slows down by a_safe, but not below standstill where the speed is known."""
-        settings, before = self.settings, self.now
-        known = np.where(np.isfinite(measured.v), np.maximum(measured.v, 0.0), np.inf)
-        a = np.maximum(settings.a_safe, -known / settings.sampling.T)
-        n = measured.n_active
-        active = int(n) if 1 <= n <= settings.capacity and n == int(n) else settings.capacity
-        a[active:] = 0.0
-        nobody = np.zeros(settings.capacity, dtype=bool)
-        counts = (before.violations, before.faults + 1, before.choices)
-        return Command(a, nobody, False, 0.0, *counts, before.n_active, before.in_domain, before.resolve, before.shape)
+        before, settings = self.now, self.settings
+        decision = decide(settings, self.selector, before, time, measured)
+        if decision.warning:
+            self.warn(decision.warning)
+        if decision.verdict is Verdict.BAD_MEASUREMENT:
+            assert decision.why is not None
+            if settings.bad_input == BadMeasurement.ERROR:
+                raise decision.why
+            if before.in_order:
+                self.warn(str(ModelError("safe_action", time, decision.why)))
+        if decision.verdict is Verdict.NOT_CERTIFIED:
+            assert decision.why is not None
+            if settings.sampling.policy == Lemma1Policy.ERROR:
+                raise decision.why
+            if before.violations == 0 or before.T_max > settings.sampling.T:
+                self.warn(str(decision.why))
+        self.now = decision.command
 
 
-def _outside(name: str, vehicle: int, value: float, unit: str, error: ModelError) -> ModelError:
-    """What to say of a measurement: `error`, or that it is not a finite number."""
-    return error if np.isfinite(value) else ModelError("finite", f"{name}[{vehicle}]", value, unit)
+def _violation(time: float, T: float, T_max: float, s: Vector, constants: PlatoonParameters) -> ModelError:
+    """Why T is not certified: the smallest gap, or else speeds and commands."""
+    i = int(np.argmin(s)) if s.size else 0
+    if s.size and (s[i] - constants.L) / constants.v_max <= T_max:
+        enough = constants.L + constants.v_max * T
+        return ModelError("lemma1_controller_gap", T, T_max, time, i + 2, s[i], enough, T_max)
+    return ModelError("lemma1_controller", T, T_max, time, T_max)
+
+
+def _require_desired(desired: float, v_max: float) -> None:
+    """Raise ModelError where a desired speed lies outside [0, v_max], rounding aside."""
+    if not np.isfinite(desired):
+        raise ModelError("v_desired_finite", desired, v_max)
+    if desired < -ROUNDING * v_max:
+        raise ModelError("v_desired_backwards", desired)
+    if desired > v_max + ROUNDING * v_max:
+        raise ModelError("v_desired", desired, v_max)
+
+
+def _bad_gap(vehicle: int, gap: float, L: float) -> ModelError:
+    """What to say of a measured gap that is not in order."""
+    if not np.isfinite(gap):
+        return ModelError("finite", f"s[{vehicle}]", gap, "m")
+    if gap <= 0:
+        return ModelError("measured_order", vehicle, gap, vehicle, vehicle - 1)
+    return ModelError("measured_gap", vehicle, gap, L)
+
+
+def _bad_speed(vehicle: int, speed: float, v_max: float) -> ModelError:
+    """What to say of a measured speed that is not in order."""
+    if not np.isfinite(speed):
+        return ModelError("finite", f"v[{vehicle}]", speed, "m/s")
+    if speed < 0:
+        return ModelError("measured_backwards", vehicle, speed)
+    return ModelError("measured_speed", vehicle, speed, v_max)

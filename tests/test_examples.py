@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from build_fmu import main as build
+from psp_model import BEST_FIXED, PlatoonParameters, PlatoonState, simulate
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -51,6 +52,32 @@ def test_ten_lines_of_python(workplace, monkeypatch):
 def test_without_fmi():
     runs = example("03_without_fmi").main()
     assert runs["V_new"].J < runs["V_old"].J
+
+
+def test_a_potential_of_my_own():
+    runs = example("06_a_potential_of_my_own").main()
+    own, ours = runs.values()
+    assert own.J < ours.J and own.s.min() > 5.0
+
+
+def test_a_potential_of_my_own_has_the_slope_of_its_value():
+    own = example("06_a_potential_of_my_own").Quadratic(0.05, 12.0)
+    s, h, constants = np.linspace(5.5, 14.0, 50), 1e-6, PlatoonParameters()
+    finite = (own.value(s + h, constants) - own.value(s - h, constants)) / (2 * h)
+    np.testing.assert_allclose(own.slope(s, constants), finite, rtol=1e-6, atol=1e-8)
+
+
+def test_a_plant_of_my_own():
+    runs = example("07_a_plant_of_my_own").main()
+    none, short, long = (run.s for run in runs.values())
+    assert np.abs(short - none).max() < np.abs(long - none).max()
+
+
+def test_a_plant_of_my_own_with_hardly_any_lag_is_ideal():
+    module = example("07_a_plant_of_my_own")
+    start = PlatoonState([9.0, 10.5, 11.0], [30.0, 31.0, 29.0, 30.5])
+    lagging = simulate(start, BEST_FIXED, plant=module.FirstOrderLag(1e-9))
+    np.testing.assert_allclose(lagging.s, simulate(start, BEST_FIXED).s, rtol=0, atol=1e-6)
 
 
 def test_a_vehicle_merges(workplace, monkeypatch):

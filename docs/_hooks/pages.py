@@ -19,7 +19,7 @@ def on_page_markdown(markdown: str, **_: Any) -> str:
     """Fill in what stands in double braces, then set the mathematics."""
     makers = {"variables": variables, "messages": messages, "commands": commands}
     makers |= {"controller variables": controller_variables, "joining variables": joining_variables}
-    makers["cost in traffic"] = cost_in_traffic
+    makers |= {"cost in traffic": cost_in_traffic, "rooms": rooms}
     for name, make in makers.items():
         if f"{{{{ {name} }}}}" in markdown:
             markdown = markdown.replace(f"{{{{ {name} }}}}", make())
@@ -93,6 +93,41 @@ def cost_in_traffic() -> str:
     rows = json.loads((_RESULTS / "traffic_cost.json").read_text(encoding="utf-8"))["rows"]
     lines = ["| " + " | ".join(map(str, cells)) + " |" for cells in (rows[0], *(row.values() for row in rows))]
     return "\n".join([lines[0], "|---" * len(rows[0]) + "|", *lines[1:]])
+
+
+def rooms() -> str:
+    """The rooms of the project: a picture with the ground floor at the bottom, then a line for each room."""
+    import tomllib
+
+    floors = tomllib.loads((ROOT / "docs" / "rooms.toml").read_text(encoding="utf-8"))["floors"]
+    lines = ["| floor | room | what is in it | knows |", "|---|---|---|---|"]
+    for floor in reversed(floors):
+        for room in floor["rooms"]:
+            foreign = ", ".join(room.get("foreign", []))
+            lines.append(f"| {floor['name']} | `{room['path']}` | {room['line']} | {foreign} |")
+    return _house(floors) + "\n\n" + "\n".join(lines)
+
+
+def _house(floors: list[dict[str, Any]]) -> str:
+    """The floors as SVG, one above the other."""
+    width, height, left = 860, 58, 210
+    parts = []
+    for place, floor in enumerate(reversed(floors)):
+        top, count = place * height, len(floor["rooms"])
+        parts.append(f'<text x="0" y="{top + 32}" font-weight="bold">{floor["name"]}</text>')
+        each = (width - left) / count
+        for k, room in enumerate(floor["rooms"]):
+            x, name = left + k * each, room["path"].removeprefix("psp_model/") if count > 3 else room["path"]
+            box = f'x="{x + 3:.0f}" y="{top + 6}" width="{each - 6:.0f}" height="{height - 16}" rx="5"'
+            parts.append(f'<rect {box} fill="none" stroke="currentColor"/>')
+            parts.append(f'<text x="{x + each / 2:.0f}" y="{top + 32}" text-anchor="middle">{name}</text>')
+    total = len(floors) * height
+    line = f'x1="{left - 14}" y1="8" x2="{left - 14}" y2="{total - 14}" stroke="currentColor"'
+    tip = f"{left - 18},{total - 20} {left - 14},{total - 10} {left - 10},{total - 20}"
+    parts.append(f'<line {line}/><polygon points="{tip}" fill="currentColor"/>')
+    style = "font:12px sans-serif;fill:currentColor;max-width:100%;height:auto"
+    title = "<title>Imports point down.</title>"
+    return f'<svg viewBox="0 0 {width} {total}" width="{width}" style="{style}">{title}{"".join(parts)}</svg>'
 
 
 _RESULTS = ROOT / "benchmarks" / "results"

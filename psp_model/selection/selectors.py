@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from math import inf
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from ..errors import ModelError
 from ..law.potential import BEST_FIXED, V_OLD, PotentialParameters
@@ -19,8 +19,7 @@ from .network import ParameterNetwork
 from .rollout import best_by_rollout, share_rollouts
 
 
-@dataclass(frozen=True)
-class Selection:
+class Selection(NamedTuple):
     """A potential, and how it came about.
 
     Attributes

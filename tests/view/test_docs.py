@@ -29,6 +29,8 @@ def blocks(language: str):
             if found["language"] != language:
                 continue
             mark = found["mark"] or ""
+            if found["code"].startswith("{{ file examples/"):
+                continue  # an example, which tests/test_examples.py runs
             if "out/train.parquet" in found["code"] or "out/platoon_3.onnx" in found["code"]:
                 continue  # run in order by test_the_training_page_from_top_to_bottom
             skip = [pytest.mark.skip(reason=mark)] if mark.startswith("not run here: ") else []
