@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import psp_model
+from psp_model.installed.files import licence, networks_folder
 from psp_model.network import ParameterNetwork, network_path, open_network
 
 from .documentation import index_page
@@ -87,7 +88,7 @@ def network_for(vehicles: int, path: Path | None = None) -> NetworkFile | None:
     ------
     ModelError : where a file is unreadable or made for another number of vehicles
     """
-    path = path or network_path(vehicles, Path(__file__).parents[1] / "onnx")
+    path = path or network_path(vehicles, networks_folder())
     if path is None:
         return None
     network = open_network(path)
@@ -168,10 +169,9 @@ def _pythonfmu_files() -> dict[str, bytes]:
 
 
 def _licences() -> dict[str, bytes]:
-    own = (Path(__file__).parents[1] / "LICENSE").read_bytes()
     theirs = next(f for f in distribution("pythonfmu").files or [] if f.name == "LICENSE")
     folder = "documentation/licenses"
-    return {f"{folder}/license.txt": own, f"{folder}/pythonfmu.txt": theirs.read_binary()}
+    return {f"{folder}/license.txt": licence(), f"{folder}/pythonfmu.txt": theirs.read_binary()}
 
 
 def _requirements() -> str:

@@ -6,7 +6,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .options import Duration, Network, ScenarioFile, Seed, Set, Vehicles, gather, network_file
+from .options import (
+    FIXED_INSTEAD,
+    Duration,
+    Network,
+    ScenarioFile,
+    Seed,
+    Set,
+    Vehicles,
+    gather,
+    network_file,
+    say_no_network,
+)
 
 if TYPE_CHECKING:
     from psp_view.certificate import Certificate
@@ -37,6 +48,8 @@ def certify(
 
     wanted = gather(vehicles, scenario, assignments, seed, duration)
     trained = network_file(wanted.vehicles, network)
+    if trained is None and "parameter_source" not in wanted.values:
+        say_no_network(wanted.vehicles, FIXED_INSTEAD)
     asked = setup(wanted.values, wanted.vehicles, trained is not None)
     T = asked.sampling.T
     asked = replace(asked, sampling=replace(asked.sampling, policy=Lemma1Policy.WARN))

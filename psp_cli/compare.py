@@ -7,7 +7,19 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .options import Duration, Network, ScenarioFile, Seed, Set, Vehicles, command_line, gather, network_file
+from .options import (
+    FIXED_INSTEAD,
+    Duration,
+    Network,
+    ScenarioFile,
+    Seed,
+    Set,
+    Vehicles,
+    command_line,
+    gather,
+    network_file,
+    say_no_network,
+)
 
 if TYPE_CHECKING:
     from psp_view.cases import Case
@@ -56,12 +68,12 @@ def cases_of(scenario: Scenario, network_path: Path | None) -> list[Case]:
 
     n = scenario.vehicles
     network = network_file(n, network_path)
+    if network is None:
+        say_no_network(n, FIXED_INSTEAD if scenario.runs else "the runs that need one are left out")
     if scenario.runs:
         setups = {name: setup(scenario.values | extra, n, network is not None) for name, extra in scenario.runs.items()}
     else:
         setups = comparison(setup(scenario.values, n, network is not None), network)
-        if network is None:
-            typer.echo(f"psp: there is no network for {n} vehicles: the runs that need one are left out", err=True)
     cases = []
     for name, one in setups.items():
         case = run_case(name, one, network, scenario.duration)

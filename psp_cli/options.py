@@ -104,14 +104,29 @@ def network_file(vehicles: int, path: Path | None) -> ParameterNetwork | None:
     vehicles : n
     path : a network of the user's own
     """
+    from psp_model.installed.files import networks_folder
     from psp_model.network import network_path, open_network
 
-    path = path or network_path(vehicles, Path(__file__).parents[1] / "onnx")
+    path = path or network_path(vehicles, networks_folder())
     if path is None:
         return None
     network = open_network(path)
     network.require_vehicles(vehicles)
     return network
+
+
+def say_no_network(vehicles: int, consequence: str) -> None:
+    """Say on stderr that there is no network, so that nobody takes what runs instead for the network's choice.
+
+    Parameters
+    ----------
+    vehicles : n
+    consequence : what happens instead
+    """
+    typer.echo(f"psp: there is no network for {vehicles} vehicles: {consequence}", err=True)
+
+
+FIXED_INSTEAD = "parameter_source starts at 2, a fixed alpha, r, p"
 
 
 def command_line() -> str:

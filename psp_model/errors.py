@@ -65,8 +65,7 @@ SENTENCES = {
     "output": "%s is an output and cannot be set: set parameters only",
     "reference": "value reference %d belongs to no %s variable of this FMU: take it from modelDescription.xml",
     "internal": "internal error in %s, %s: please report it with the start values that led to it",
-    "compiler": "the rollouts could not be compiled (%s): install the extra psp-platoon[offline], which brings "
-    "a C compiler",
+    "networks": "%s holds no networks, although this project brings some: install it anew, or put the folder back",
     "duration": "duration = %.10g s must be finite and not negative: give the run a length of 0 s or more",
     "output_step": "output_step = %.10g s must be positive and finite: give it a time above 0 s",
     "limits": "a_min = %.10g m/s2 must be negative and a_max = %.10g m/s2 positive: a vehicle has to be able to "

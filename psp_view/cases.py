@@ -95,7 +95,7 @@ def origin_of(request: Request, network: ParameterNetwork | None, fell_back: boo
     if request.old:
         return "V_old: no hill"
     if request.source is ParameterSource.FIXED:
-        return "fixed by the user"
+        return "alpha_fixed, r_fixed, p_fixed"
     if fell_back:
         return "fixed: the fallback, because the network cannot be used here"
     assert network is not None  # choose_potential has raised otherwise

@@ -17,8 +17,9 @@ from psp_model.parameters import PlatoonParameters
 from psp_model.whole_file import whole_file
 
 from .cases import Case
-from .motion import moving_frame
-from .style import RC, colours, new_figure
+from .moving_frame import moving_frame
+from .palette import colours
+from .style import RC, new_figure
 
 FRAMES_PER_SECOND = 15
 CAR = 0.84  # length of a drawn vehicle, in L: at the smallest allowable gap two vehicles do not touch

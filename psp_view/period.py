@@ -8,7 +8,8 @@ import matplotlib
 from matplotlib.figure import Figure
 
 from .certificate import Certificate
-from .style import LINE_STYLES, RC, caption, colours, new_figure
+from .palette import colours
+from .style import LINE_STYLES, RC, caption, new_figure
 
 
 def draw_periods(certificates: Mapping[str, Certificate], command: str) -> Figure:

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from psp_model.simulate import Run
 
-from .style import RC, caption, colours, new_figure, save
+from .palette import colours
+from .style import RC, caption, new_figure, save
 
 _MOST_NAMED = 12  # more vehicles than this get a legend of the first and the last only
 _WIDE = 10.0  # accelerations that differ by more than this factor between runs share a symmetric logarithmic axis

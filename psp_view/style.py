@@ -1,4 +1,4 @@
-"""What all figures share: colours that colour-blind people can tell apart, captions, and files on disk."""
+"""What all figures share: captions, and files on disk."""
 
 from __future__ import annotations
 
@@ -7,13 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib
-from matplotlib import colormaps
 from matplotlib.figure import Figure
 
 from psp_model.whole_file import whole_file
-
-OKABE_ITO = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#F0E442")
-"""The palette of Okabe and Ito (2008); yellow comes last because it is hard to see on white."""
 
 LINE_STYLES = ("-", "--", ":", "-.")
 
@@ -31,23 +27,6 @@ RC: Any = {
     "svg.hashsalt": "psp-platoon",  # the same picture gives the same file
     "pdf.fonttype": 42,
 }
-
-
-def colours(count: int) -> list[str]:
-    """`count` colours: the palette where it suffices, else a walk through cividis, which colour-blind people read too.
-
-    Parameters
-    ----------
-    count : number of lines to tell apart
-
-    Returns
-    -------
-    colours as hexadecimal strings
-    """
-    if count < len(OKABE_ITO):
-        return list(OKABE_ITO[:count])
-    cividis = colormaps["cividis"]
-    return [matplotlib.colors.to_hex(cividis(i / max(count - 1, 1) * 0.92)) for i in range(count)]
 
 
 def new_figure(width: float, height: float) -> Figure:

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
 
+from psp_model.installed.files import licence
+
 from ..controller_variables import controller_table
 from ..documentation import index_page
 from ..ecosystem import layered_standard, reference_results
@@ -150,7 +152,7 @@ def build_native_fmu(fmu: NativeFmu, output: Path, platforms: Sequence[str] | No
     component = Component(fmu.name, fmu.description, version("psp-platoon"), "", capabilities=fmu.capabilities)
     packed = {
         "documentation/index.html": index_page(component, fmu.vehicles, fmu.table, fmu.notes),
-        "documentation/licenses/license.txt": (_HERE.parents[1] / "LICENSE").read_bytes(),
+        "documentation/licenses/license.txt": licence(),
         "model.png": (_HERE.parent / "model.png").read_bytes(),
     }
     packed |= fmu.more

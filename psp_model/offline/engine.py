@@ -22,12 +22,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import ModelError
 from ..feedback import feedback
 from ..lemma1 import largest_period
 from ..objective import HORIZON, running_cost
 from ..parameters import ObjectiveWeights, PlatoonParameters
 from ..sampled_data import advance
+from .errors import OfflineError
 
 Array = NDArray[Any]
 
@@ -113,7 +113,10 @@ def _library(problem: Problem, real: str) -> ctypes.CDLL:
             built = Path(folder) / path.name
             done = subprocess.run([*command, "-o", str(built)], input=source, text=True, capture_output=True)
             if done.returncode:
-                raise ModelError("compiler", done.stderr.strip().splitlines()[0] if done.stderr else "no message")
+                reason = done.stderr.strip().splitlines()[0] if done.stderr.strip() else "no message"
+                raise OfflineError(
+                    f"the rollouts could not be compiled ({reason}): mend what that names, or install ziglang anew"
+                )
             built.replace(path)
     return ctypes.CDLL(str(path))
 

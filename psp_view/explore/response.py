@@ -15,8 +15,8 @@ from psp_model.platoon import Lemma1Policy, Sampling
 from psp_model.simulate import Run, simulate
 from psp_model.state import PlatoonState
 
+from ..curves import Curve, curve
 from ..figures_of_run import Figure, figures_of_run
-from ..potentials import Curve, curve
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import matplotlib
 import numpy as np
 import pytest
 from PIL import Image
@@ -11,10 +12,12 @@ from PIL import Image
 from psp_model import BEST_FIXED, V_OLD, PlatoonParameters, PlatoonState, StartDomain, require_feasible, simulate
 from psp_model.parameters import PotentialParameters
 from psp_view.landscape import draw_landscape, landscape, optimum
-from psp_view.motion import closing_speeds, moving_frame
+from psp_view.motion import closing_speeds
+from psp_view.moving_frame import moving_frame
+from psp_view.palette import OKABE_ITO, cividis, colours
 from psp_view.potentials import BASE, VARIED, curve, draw_potentials, family, hill
 from psp_view.runs import draw_runs, save_runs
-from psp_view.style import OKABE_ITO, colours, save
+from psp_view.style import save
 
 PAPER = PlatoonParameters()
 
@@ -152,6 +155,9 @@ def test_vector_files_can_be_pdf(tmp_path: Path):
 def test_colours_are_distinct_and_from_a_palette_for_the_colour_blind():
     assert set(colours(7)) <= set(OKABE_ITO) and len(set(colours(7))) == 7
     assert len(set(colours(100))) == 100
+    there = matplotlib.colormaps["cividis"]
+    for place in np.linspace(0.0, 1.0, 1001):
+        assert cividis(place) == matplotlib.colors.to_hex(there(place))
 
 
 def test_a_curve_starts_above_l_and_ends_beyond_lambda():
