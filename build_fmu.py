@@ -10,6 +10,7 @@ from pathlib import Path
 
 from fmu_src.python_runtime import NetworkFile, build_python_fmu, networks_up_to
 from psp_model import ModelError
+from psp_model.installed.extras import BRINGS, MissingExtra, require
 
 MOST_VEHICLES = 10_000
 COMPONENTS = ["platoon", "controller", "plant", "leader"]
@@ -62,14 +63,14 @@ def build_native(options: argparse.Namespace, networks: Mapping[int, NetworkFile
 
     Raises
     ------
-    RuntimeError : where what builds the native FMU is missing, or there is none
+    MissingExtra : where what builds the native FMU is missing
+    RuntimeError : where there is no native FMU
     """
     if options.component not in CONTROLLED:
         raise RuntimeError(f"--component {options.component} has no native runtime: leave --runtime native out")
-    try:
-        from fmu_src.native.build import build_native_fmu, chosen_platforms, native_controller, native_platoon
-    except ImportError as error:
-        raise RuntimeError(f"the native FMU needs {error.name}: pip install 'psp-platoon[native]'") from None
+    require("a native FMU", "native", BRINGS["native"])
+    from fmu_src.native.build import build_native_fmu, chosen_platforms, native_controller, native_platoon
+
     make = native_platoon if options.component == "platoon" else native_controller
     return build_native_fmu(make(options.vehicles, networks), options.output, chosen_platforms(options.platforms))
 
@@ -84,7 +85,8 @@ def build(options: argparse.Namespace, networks: Mapping[int, NetworkFile]) -> P
 
     Raises
     ------
-    RuntimeError : where an option does not apply, or what builds the native FMU is missing
+    MissingExtra : where what builds the native FMU is missing
+    RuntimeError : where an option does not apply
     """
     if options.component not in CONTROLLED and options.network:
         raise RuntimeError(f"--component {options.component} has no network: leave --network out")
@@ -119,7 +121,7 @@ def main(arguments: list[str] | None = None) -> int:
             raise RuntimeError(f"{options.vehicles} vehicles are too many for one FMU: choose at most {MOST_VEHICLES}")
         networks = networks_for(options)
         path = build(options, networks)
-    except (ModelError, OSError, RuntimeError) as error:
+    except (MissingExtra, ModelError, OSError, RuntimeError) as error:
         print(f"build_fmu.py: {error}", file=sys.stderr)
         return 2
     print(f"{path}: {options.vehicles} vehicles, {path.stat().st_size / 1024:.0f} KiB")

@@ -15,6 +15,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from psp_model.installed.extras import BRINGS, require
+
 from .fmus import CACHE, ROOT, sources_digest
 from .machine import machine, versions
 from .page import write_page
@@ -53,7 +55,8 @@ def say(text: str) -> None:
 
 
 def run(measurement: Measurement, options: argparse.Namespace) -> dict[str, Any]:
-    """Measure and describe."""
+    """Measure and describe; refused before it begins where packages are missing."""
+    require(f"the measurement {measurement.name}", measurement.extra, BRINGS.get(measurement.extra, ()))
     began = time.perf_counter()
     load = os.getloadavg()[0]
     rows = measurement.measure(Context(options.quick, say, options.peers))
@@ -95,8 +98,7 @@ def main(arguments: list[str] | None = None) -> int:
         try:
             result = run(measurement, options)
         except (ImportError, OSError, RuntimeError) as error:
-            extra = f" (pip install 'psp-platoon[{measurement.extra}]')" if isinstance(error, ImportError) else ""
-            print(f"  not measured: {error}{extra}", file=sys.stderr)
+            print(f"  not measured: {error}", file=sys.stderr)
             failed = True
             continue
         path = options.output / f"{measurement.name}.json"

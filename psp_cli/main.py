@@ -27,10 +27,7 @@ from . import (
     train,
 )
 from .bad_input import BadInput
-
-EXTRAS = {"matplotlib": "report", "nicegui": "explore", "jax": "offline", "optax": "offline", "pyarrow": "offline"}
-"""Which extra brings a package that the default install does without."""
-
+from .extras import CheckedCommand
 
 _LONGEST = 1000  # characters of a sentence
 
@@ -42,11 +39,13 @@ class Commands(TyperGroup):
         """Run the command that was asked for."""
         try:
             return super().invoke(ctx)
-        except ModuleNotFoundError as error:
-            extra = EXTRAS.get((error.name or "").partition(".")[0])
-            if extra is None:
+        except ImportError as error:
+            from psp_model.installed.extras import MissingExtra, explained
+
+            sentence = error if isinstance(error, MissingExtra) else explained(error, f"psp {ctx.invoked_subcommand}")
+            if sentence is None:
                 raise
-            typer.echo(f"psp: this needs {error.name}: install it with `pip install 'psp-platoon[{extra}]'`", err=True)
+            typer.echo(f"psp: {_one_line(str(sentence))}", err=True)
             raise typer.Exit(2) from None
         except (BadInput, ValueError) as error:
             from psp_model.errors import ModelError
@@ -106,3 +105,6 @@ app.command("train")(train.train)
 app.command("evaluate")(evaluate.evaluate)
 app.command("doctor")(doctor.doctor)
 app.command("sumo")(sumo.sumo)
+
+for registered in app.registered_commands:
+    registered.cls = CheckedCommand

@@ -56,13 +56,10 @@ def sumo(
     ] = None,
 ) -> None:
     """Compare V_new and V_old with SUMO's IDM, ACC and CACC: collisions, comfort, capacity, emissions."""
-    from importlib.util import find_spec
     from tempfile import TemporaryDirectory
 
     from .fmu_runs import description_of
 
-    if find_spec("libsumo") is None or find_spec("sumo") is None:
-        raise BadInput("psp sumo needs SUMO: pip install 'psp-platoon[sumo]'")
     if fmu is not None and not fmu.exists():
         raise BadInput(f"{fmu} does not exist: build it with build_fmu.py --component controller, or leave --fmu out")
     if fmu is not None and not any(variable.name == "n_active" for variable in description_of(fmu).modelVariables):

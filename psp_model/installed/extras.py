@@ -2,34 +2,25 @@
 
 from __future__ import annotations
 
+import io
 import json
 import warnings
 from collections.abc import Iterable
+from contextlib import redirect_stdout
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, distribution
 
 from .files import checkout
 
-NATIVE = ("casadi", "onnx", "ziglang")
-"""What builds a native FMU."""
-
-EXTRA_OF = {
-    "jax": "offline",
-    "optax": "offline",
-    "pyarrow": "offline",
-    "scipy": "offline",
-    "dask": "offline",
-    "distributed": "offline",
-    "casadi": "native",
-    "onnx": "native",
-    "ziglang": "native",
-    "matplotlib": "report",
-    "imageio_ffmpeg": "film",
-    "nicegui": "explore",
-    "libsumo": "sumo",
-    "sumo": "sumo",
+BRINGS = {
+    "report": ("matplotlib",),
+    "native": ("casadi", "onnx", "ziglang"),
+    "sumo": ("libsumo", "sumo"),
+    "film": ("matplotlib", "imageio_ffmpeg"),
+    "explore": ("nicegui", "matplotlib"),
+    "offline": ("casadi", "ziglang", "jax", "optax", "onnx", "pyarrow", "scipy", "dask", "distributed", "matplotlib"),
 }
-"""The smallest extra that brings a module."""
+"""The modules that each extra brings, the smaller extras first."""
 
 
 class MissingExtra(ImportError):
@@ -52,7 +43,7 @@ def require(what: str, extra: str, modules: Iterable[str]) -> None:
     missing: list[str] = []
     for module in modules:
         try:
-            with warnings.catch_warnings():
+            with warnings.catch_warnings(), redirect_stdout(io.StringIO()):  # libsumo prints what it thinks of pyarrow
                 warnings.simplefilter("ignore")
                 import_module(module)
         except ModuleNotFoundError as error:
@@ -72,10 +63,11 @@ def explained(error: ImportError, what: str) -> MissingExtra | None:
     what : needed it, as the subject of the sentence
     """
     module = (error.name or "").partition(".")[0]
-    if module not in EXTRA_OF:
+    extra = next((extra for extra, modules in BRINGS.items() if module in modules), None)
+    if extra is None:
         return None
     gone = isinstance(error, ModuleNotFoundError)
-    return MissingExtra(_missing(what, [module], EXTRA_OF[module]) if gone else _broken(what, module, error))
+    return MissingExtra(_missing(what, [module], extra) if gone else _broken(what, module, error))
 
 
 def _missing(what: str, modules: list[str], extra: str) -> str:

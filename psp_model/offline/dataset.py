@@ -57,6 +57,14 @@ def make_dataset(
     except OSError as error:
         remedy = "make room there and run the same command with --resume"
         raise OfflineError(f"{path} could not be written ({error.strerror or error}): {remedy}") from None
+    finally:
+        if parts.is_dir() and not _solved(parts):
+            shutil.rmtree(parts, ignore_errors=True)
+
+
+def _solved(parts: Path) -> bool:
+    """Whether a run left a chunk there to go on from."""
+    return any(parts.glob("[0-9]*.npz"))
 
 
 def _prepare(parts: Path, path: Path, plan: Plan, resume: bool) -> None:
@@ -64,6 +72,10 @@ def _prepare(parts: Path, path: Path, plan: Plan, resume: bool) -> None:
     if path.exists() and not parts.exists():
         raise OfflineError(f"{path} exists already: remove it or give --output another name")
     note = parts / "plan.json"
+    if parts.exists() and not parts.is_dir():
+        raise OfflineError(f"{parts} is no folder: remove it or give --output another name")
+    if not _solved(parts):
+        note.unlink(missing_ok=True)  # so that a run that solved nothing stands in nobody's way
     if note.exists() and not resume:
         raise OfflineError(f"{parts} holds an unfinished run: go on with --resume, or remove that folder")
     if note.exists() and note.read_bytes() != plan.as_json().encode():

@@ -43,19 +43,6 @@ def test_help_names_every_command_and_imports_nothing_heavy():
     assert not HEAVY & set(modules.split())
 
 
-@pytest.mark.parametrize(
-    ("arguments", "package", "extra"),
-    [(["figures", "--only", "potentials"], "matplotlib", "report"), (["explore", "--no-show"], "nicegui", "explore")],
-)
-def test_what_an_extra_brings_is_named_where_it_is_missing(monkeypatch, arguments, package, extra):
-    for name in [name for name in sys.modules if name.partition(".")[0] in (package, "psp_view")]:
-        monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setitem(sys.modules, package, None)
-    result = psp(*arguments)
-    assert result.exit_code == 2
-    assert result.stderr == f"psp: this needs {package}: install it with `pip install 'psp-platoon[{extra}]'`\n"
-
-
 def test_the_default_install_pulls_nothing_heavy():
     """All that pip installs for psp-platoon without extras, by the metadata of what is installed here."""
     from importlib.metadata import PackageNotFoundError, requires
