@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import ctypes.util
 import os
 import shutil
 import subprocess
@@ -37,10 +36,9 @@ def _after_two_seconds(fmu, scenario: str) -> list[float]:
     return values
 
 
+@pytest.mark.system("ecos", "unzip")
 @pytest.mark.parametrize("scenario", SCENARIOS)
 def test_ecos_runs_the_ssp_with_each_parameter_set(folder, native_fmu, scenario, tmp_path):
-    if ctypes.util.find_library("tbb") is None or shutil.which("unzip") is None:
-        pytest.skip("ecos needs libtbb12 and unzip")
     import ecospy
 
     binaries = Path(ecospy.__file__).parent / "binaries"
@@ -59,6 +57,7 @@ def test_ecos_runs_the_ssp_with_each_parameter_set(folder, native_fmu, scenario,
     assert seen == pytest.approx(_after_two_seconds(native_fmu, scenario), rel=0, abs=1e-6)  # six decimals
 
 
+@pytest.mark.system("libcosim")
 def test_libcosim_loads_the_ssp(folder):
     from libcosimpy.CosimExecution import CosimExecution
 

@@ -6,7 +6,6 @@ import os
 import shutil
 import subprocess
 import sys
-import sysconfig
 from pathlib import Path
 
 import pytest
@@ -94,9 +93,8 @@ def _run(c_host, fmu, environment, *names):
     return subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.system("libpython", "cc")
 def test_a_c_host_finds_python_by_itself(c_host, python_fmu):
-    if not sysconfig.get_config_var("Py_ENABLE_SHARED"):
-        pytest.skip("this Python has no shared library")
     environment = {"PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
     ran = _run(c_host, python_fmu, environment, "s[4]", "J")
     assert ran.returncode == 0, ran.stderr

@@ -79,7 +79,7 @@ TRIALS = (
         count=2_000,
         short=20,
         tell=sanitized.tell,
-        needs=("clang",),
+        needs=("sanitizers",),
     ),
     Trial(
         "fuzzer",
@@ -89,7 +89,7 @@ TRIALS = (
         count=120,
         short=0,
         tell=sanitized.tell,
-        needs=("clang",),
+        needs=("sanitizers",),
     ),
     Trial(
         "saved-states",

@@ -21,7 +21,8 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
-from shutil import which
+
+from system_packages import NEEDS, found
 
 from . import fmus
 from .registry import TRIALS
@@ -111,8 +112,9 @@ def _pieces(options: argparse.Namespace) -> list[Piece]:
         raise SystemExit(f"no trial is called {', '.join(unknown)}: choose from {', '.join(t.name for t in TRIALS)}")
     chosen = [trial for trial in TRIALS if trial.name in wanted]
     for trial in chosen:
-        if missing := [need for need in trial.needs if which(need) is None]:
-            print(f"{trial.name} is left out: it needs {', '.join(missing)}", flush=True)
+        if missing := [need for need in trial.needs if not found(need)]:
+            packages = " ".join(package for need in missing for package in NEEDS[need].packages)
+            print(f"{trial.name} is left out, as packages are missing: install {packages}", flush=True)
             chosen = [other for other in chosen if other is not trial]
     share = options.share
     rows = [

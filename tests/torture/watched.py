@@ -131,7 +131,12 @@ def _where(result: Any) -> str:
 
 
 def settle_in(folder: Path) -> list[Path]:
-    """Send temporary files and caches into a folder; the folders that may be written to."""
+    """Send temporary files and caches into a folder; the folders that may be written to.
+
+    What Python compiles is not kept: a command that is the first to import a module after an installation would seem to
+    write beside that module.
+    """
+    sys.dont_write_bytecode = True
     for name in ("tmp", "cache", "out"):
         (folder / name).mkdir(exist_ok=True)
     tempfile.tempdir = str(folder / "tmp")

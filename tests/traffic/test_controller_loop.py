@@ -99,6 +99,7 @@ def run_script(text: str, folder) -> list[float]:
     return json.loads(ran.stdout.split("VALUES")[1].splitlines()[0])
 
 
+@pytest.mark.system("ecos", "unzip")
 def test_the_ssp_in_ecos(ssp, expected, tmp_path):
     script = f"""
 from ecospy import EcosSimulation, EcosSimulationStructure
@@ -112,6 +113,7 @@ with EcosSimulation(ssp_path={str(ssp)!r}, step_size={T / 4}) as simulation:
     np.testing.assert_allclose(run_script(script, tmp_path), expected, rtol=0, atol=1e-9)
 
 
+@pytest.mark.system("libcosim")
 def test_the_ssp_in_libcosim(ssp, expected, plant_fmu, tmp_path):
     references = [plant_fmu.reference[name] for name in SEEN]
     script = f"""

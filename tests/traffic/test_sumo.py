@@ -24,7 +24,7 @@ from psp_traffic.summary import table
 from psp_traffic.sweep import Tolerance, Trial, of_sweep, sweep, sweep_text
 from psp_view.traffic import draw_following, draw_tolerance
 
-pytest.importorskip("libsumo")
+pytestmark = pytest.mark.system("sumo")
 ROOT = Path(__file__).parents[2]
 
 

@@ -21,6 +21,8 @@ ROOT = Path(__file__).parents[2]
 PAGES = [*sorted((ROOT / "docs").glob("*.md")), ROOT / "CONTRIBUTING.md"]
 BLOCK = re.compile(r"(?:<!-- (?P<mark>[^>]*) -->\n)?```(?P<language>sh|python|toml)\n(?P<code>.*?)```", re.DOTALL)
 
+SYSTEM = {"psp sumo": "sumo", "libcosimpy": "libcosim", "ecospy": "ecos"}  # what in a block needs what of the system
+
 
 def blocks(language: str):
     """Fenced blocks of a language, each as a test's parameters; those that a page marks are skipped with its reason."""
@@ -31,8 +33,9 @@ def blocks(language: str):
             mark = found["mark"] or ""
             if "out/train.parquet" in found["code"] or "out/platoon_3.onnx" in found["code"]:
                 continue  # run in order by test_the_training_page_from_top_to_bottom
-            skip = [pytest.mark.skip(reason=mark)] if mark.startswith("not run here: ") else []
-            yield pytest.param(found["code"], id=f"{page.stem}-{number}", marks=skip)
+            marks = [pytest.mark.skip(reason=mark)] if mark.startswith("not run here: ") else []
+            marks += [pytest.mark.system(need) for word, need in SYSTEM.items() if word in found["code"]]
+            yield pytest.param(found["code"], id=f"{page.stem}-{number}", marks=marks)
 
 
 @pytest.fixture(scope="module")
