@@ -17,7 +17,8 @@ from psp_traffic.summary import table
 def main(duration: float = 60.0) -> dict[str, list[Measures]]:
     """Seven vehicles from a start of the paper's, driven by the controller FMU and by SUMO's models.
 
-    Needs the extra `sumo` (`pip install '.[sumo]'` in a checkout); `psp sumo` shows the ramp, the stop-and-go wave and the WLTC, too.
+    Needs the extra `sumo` (`pip install '.[sumo]'` in a checkout); `psp sumo` shows the ramp, the stop-and-go wave
+    and the WLTC, too.
     """
     with TemporaryDirectory() as folder:
         build(["--component", "controller", "--output", folder])

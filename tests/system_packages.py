@@ -1,9 +1,9 @@
 """What the tests need from the system, how to tell that it is there, and the Debian packages that bring it.
 
-`python tests/system_packages.py` installs what is missing where that may be: as root on Debian.  `make test` begins with
-it.  A test says what it needs by `@pytest.mark.system("chromium")`, or calls `require` where it needs it, and is skipped
-where that is missing.  With PSP_SKIP_NOTHING=1, which `.ci/run` sets, nothing that could have been installed is skipped:
-the test fails, and so does an installation.
+`python tests/system_packages.py` installs what is missing where that may be: as root on Debian.  `make test` begins
+with it.  A test says what it needs by `@pytest.mark.system("chromium")`, or calls `require` where it needs it, and is
+skipped where that is missing.  With PSP_SKIP_NOTHING=1, which `.ci/run` sets, nothing that could have been installed is
+skipped: the test fails, and so does an installation.
 """
 
 from __future__ import annotations
