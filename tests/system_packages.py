@@ -138,8 +138,8 @@ def require(*names: str) -> None:
         if found(name):
             continue
         need = NEEDS[name]
-        packages = f": install Debian's {' '.join(need.packages)}" if need.packages else ""
-        reason = f"needs {need.what}, which is not here{packages}"
+        remedy = f"install Debian's {' '.join(need.packages)}" if need.packages else "no package of Debian brings it"
+        reason = f"needs {need.what}: {remedy}"
         if strict() and need.packages and may_install():
             pytest.fail(reason, pytrace=False)
         pytest.skip(reason)

@@ -141,4 +141,5 @@ def settle_in(folder: Path) -> list[Path]:
         (folder / name).mkdir(exist_ok=True)
     tempfile.tempdir = str(folder / "tmp")
     os.environ |= {"TMPDIR": str(folder / "tmp"), "XDG_CACHE_HOME": str(folder / "cache")}
+    os.environ["MPLCONFIGDIR"] = str(folder / "cache")
     return [folder / name for name in ("tmp", "cache", "out")]

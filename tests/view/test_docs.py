@@ -21,7 +21,8 @@ ROOT = Path(__file__).parents[2]
 PAGES = [*sorted((ROOT / "docs").glob("*.md")), ROOT / "CONTRIBUTING.md"]
 BLOCK = re.compile(r"(?:<!-- (?P<mark>[^>]*) -->\n)?```(?P<language>sh|python|toml)\n(?P<code>.*?)```", re.DOTALL)
 
-SYSTEM = {"psp sumo": "sumo", "libcosimpy": "libcosim", "ecospy": "ecos"}  # what in a block needs what of the system
+SYSTEM = {"psp sumo": "sumo", "libcosimpy": "libcosim", "ecospy": "ecos", "psp doctor": "libpython"}
+"""What words in a block need of the system."""
 
 
 def blocks(language: str):
