@@ -180,11 +180,8 @@ def main() -> int:
     if not left:
         return 0
     print(said, end="", file=sys.stderr)
-    for name in left:
-        print(
-            f"{NEEDS[name].what} is still missing: tests that need it {'fail' if strict() else 'are skipped'}",
-            file=sys.stderr,
-        )
+    names = "; ".join(NEEDS[name].what for name in left)
+    print(f"Tests {'fail' if strict() else 'are skipped'} for want of {names}", file=sys.stderr)
     return 1 if strict() else 0
 
 
