@@ -69,7 +69,7 @@ def _solved(parts: Path) -> bool:
 
 def _prepare(parts: Path, path: Path, plan: Plan, resume: bool) -> None:
     """Make the folder of the parts, or check that it belongs to this plan."""
-    if path.exists() and not parts.exists():
+    if path.exists() and not (parts.exists() if resume else _solved(parts)):
         raise OfflineError(f"{path} exists already: remove it or give --output another name")
     note = parts / "plan.json"
     if parts.exists() and not parts.is_dir():
