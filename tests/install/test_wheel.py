@@ -6,7 +6,6 @@ import os
 import shutil
 import subprocess
 import sys
-import tarfile
 from pathlib import Path
 from zipfile import ZipFile
 
@@ -44,8 +43,7 @@ def wheels(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     (folder / "build/lib/psp_model").mkdir(parents=True)
     (folder / "build/lib/psp_model/stale.py").write_text("")
     output = tmp_path_factory.mktemp("built")
-    with tarfile.open(built("sdist", folder, output)) as archive:
-        archive.extractall(output, filter="data")
+    shutil.unpack_archive(built("sdist", folder, output), output)
     (unpacked,) = (path for path in output.iterdir() if path.is_dir())
     return [built("wheel", folder, tmp_path_factory.mktemp("wheel")), built("wheel", unpacked, output)]
 
