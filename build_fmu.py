@@ -8,8 +8,9 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 
+from fmu_src.errors import BuildError
 from fmu_src.python_runtime import NetworkFile, build_python_fmu, networks_up_to
-from psp_model import ModelError
+from psp_model import ModelError, PspError
 
 MOST_VEHICLES = 10_000
 COMPONENTS = ["platoon", "controller", "plant", "leader"]
@@ -62,14 +63,14 @@ def build_native(options: argparse.Namespace, networks: Mapping[int, NetworkFile
 
     Raises
     ------
-    RuntimeError : where what builds the native FMU is missing, or there is none
+    BuildError : where what builds the native FMU is missing, or there is none
     """
     if options.component not in CONTROLLED:
-        raise RuntimeError(f"--component {options.component} has no native runtime: leave --runtime native out")
+        raise BuildError(f"--component {options.component} has no native runtime: leave --runtime native out")
     try:
         from fmu_src.native.build import build_native_fmu, chosen_platforms, native_controller, native_platoon
     except ImportError as error:
-        raise RuntimeError(f"the native FMU needs {error.name}: pip install 'psp-platoon[native]'") from None
+        raise BuildError(f"the native FMU needs {error.name}: pip install 'psp-platoon[native]'") from None
     make = native_platoon if options.component == "platoon" else native_controller
     return build_native_fmu(make(options.vehicles, networks), options.output, chosen_platforms(options.platforms))
 
@@ -84,12 +85,12 @@ def build(options: argparse.Namespace, networks: Mapping[int, NetworkFile]) -> P
 
     Raises
     ------
-    RuntimeError : where an option does not apply, or what builds the native FMU is missing
+    BuildError : where an option does not apply, or what builds the native FMU is missing
     """
     if options.component not in CONTROLLED and options.network:
-        raise RuntimeError(f"--component {options.component} has no network: leave --network out")
+        raise BuildError(f"--component {options.component} has no network: leave --network out")
     if options.component != "leader" and options.profile:
-        raise RuntimeError(f"--component {options.component} takes no --profile: leave it out, or build the leader")
+        raise BuildError(f"--component {options.component} takes no --profile: leave it out, or build the leader")
     if options.runtime == "native":
         return build_native(options, networks)
     if options.component == "platoon":
@@ -116,10 +117,10 @@ def main(arguments: list[str] | None = None) -> int:
         if options.vehicles < 2:
             raise ModelError("vehicles", options.vehicles)
         if options.vehicles > MOST_VEHICLES:
-            raise RuntimeError(f"{options.vehicles} vehicles are too many for one FMU: choose at most {MOST_VEHICLES}")
+            raise BuildError(f"{options.vehicles} vehicles are too many for one FMU: choose at most {MOST_VEHICLES}")
         networks = networks_for(options)
         path = build(options, networks)
-    except (ModelError, OSError, RuntimeError) as error:
+    except (PspError, OSError) as error:
         print(f"build_fmu.py: {error}", file=sys.stderr)
         return 2
     print(f"{path}: {options.vehicles} vehicles, {path.stat().st_size / 1024:.0f} KiB")

@@ -30,16 +30,31 @@ NEEDS = (
     "Linux or Windows: a Python host lends its own, other hosts find the python3 that is first on PATH."
 )
 _SLAVE_FILES = {
-    "PspPlatoon": ("__init__.py", "variables.py", "slave_state.py", "table_slave.py", "platoon_slave.py"),
+    "PspPlatoon": ("__init__.py", "errors.py", "variables.py", "slave_state.py", "table_slave.py", "platoon_slave.py"),
     "PspController": (
         "__init__.py",
+        "errors.py",
         "variables.py",
         "table_slave.py",
         "controller_variables.py",
         "controller_slave.py",
     ),
-    "PspLeader": ("__init__.py", "variables.py", "table_slave.py", "controller_variables.py", "leader_slave.py"),
-    "PspPlant": ("__init__.py", "variables.py", "table_slave.py", "controller_variables.py", "plant_slave.py"),
+    "PspLeader": (
+        "__init__.py",
+        "errors.py",
+        "variables.py",
+        "table_slave.py",
+        "controller_variables.py",
+        "leader_slave.py",
+    ),
+    "PspPlant": (
+        "__init__.py",
+        "errors.py",
+        "variables.py",
+        "table_slave.py",
+        "controller_variables.py",
+        "plant_slave.py",
+    ),
 }
 _LAUNCHERS = {"linux64": "psp_launcher.so", "win64": "psp_launcher.dll"}
 _OWN_IMPORT = re.compile(r"^(\s*(?:from|import) )(psp_model|fmu_src)\b", re.MULTILINE)

@@ -17,10 +17,11 @@ from pythonfmu.enums import Fmi2Status
 from pythonfmu.fmi2slave import Fmi2Slave
 
 from psp_model.choose import ParameterSource, Request
-from psp_model.errors import ModelError
+from psp_model.errors import ModelError, PspError
 from psp_model.parameters import ObjectiveWeights, PlatoonParameters, PotentialParameters
 from psp_model.platoon import Lemma1Policy, Sampling
 
+from .errors import FmiError
 from .variables import Variable
 
 CONFIG = "platoon.json"  # what build_fmu.py decided: how many vehicles, which networks
@@ -36,10 +37,10 @@ def logged(call: Callable[..., Result]) -> Callable[..., Result | bool | list[fl
     def guarded(self: TableSlave, *args: Any) -> Any:
         try:
             return call(self, *args)
-        except ModelError as error:
+        except PspError as error:
             self.log(str(error), Fmi2Status.error)
         except Exception as error:  # a defect of ours must not crash the host
-            self.log(str(ModelError("internal", call.__name__, repr(error))), Fmi2Status.error)
+            self.log(str(FmiError("internal", call.__name__, repr(error))), Fmi2Status.error)
         return [0.0] * len(args[0]) if call.__name__.startswith("get_") else False
 
     return guarded
@@ -108,7 +109,7 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
 
     def _require_variable(self, reference: int, integer: bool) -> None:
         if not (0 <= reference < len(self._table) and self._table[reference].integer is integer):
-            raise ModelError("reference", reference, "Integer" if integer else "Real")
+            raise FmiError("reference", reference, "Integer" if integer else "Real")
 
     def _set(self, references: list[int], values: list[float], integer: bool) -> None:
         inputs = True
@@ -119,9 +120,9 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
                 continue
             inputs = False
             if reference >= self._first_output:
-                raise ModelError("output", row.name)
+                raise FmiError("output", row.name)
             if self._part is not None and not self._initialising:
-                raise ModelError("fixed", row.name)
+                raise FmiError("fixed", row.name)
         for reference, value in zip(references, values, strict=True):
             self._values[reference] = value
         self._changed(inputs)

@@ -26,7 +26,7 @@ from . import (
     sumo,
     train,
 )
-from .bad_input import BadInput
+from .bad_input import of_the_user
 
 EXTRAS = {"matplotlib": "report", "nicegui": "explore", "jax": "offline", "optax": "offline", "pyarrow": "offline"}
 """Which extra brings a package that the default install does without."""
@@ -48,19 +48,16 @@ class Commands(TyperGroup):
                 raise
             typer.echo(f"psp: this needs {error.name}: install it with `pip install 'psp-platoon[{extra}]'`", err=True)
             raise typer.Exit(2) from None
-        except (BadInput, ValueError) as error:
-            from psp_model.errors import ModelError
-            from psp_model.offline.errors import OfflineError
-
-            if not isinstance(error, BadInput | ModelError | OfflineError):
-                raise
-            typer.echo(f"psp: {_one_line(str(error))}", err=True)
-            raise typer.Exit(2) from None
         except OSError as error:
             typer.echo(f"psp: {_one_line(_of_a_file(error))}", err=True)
             raise typer.Exit(2) from None
         except MemoryError:
             typer.echo("psp: there is no memory left for this: ask for less, or give it files of usual size", err=True)
+            raise typer.Exit(2) from None
+        except Exception as error:
+            if not of_the_user(error):
+                raise
+            typer.echo(f"psp: {_one_line(str(error))}", err=True)
             raise typer.Exit(2) from None
 
 

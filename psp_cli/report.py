@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .bad_input import BadInput
 from .compare import cases_of
 from .options import Duration, Network, ScenarioFile, Seed, Set, Vehicles, command_line, gather, network_file
 
@@ -44,9 +43,6 @@ def report(
 
 
 def _film(cases: list[Case], path: Path) -> None:
-    from psp_view.film import FilmError, write_film
+    from psp_view.film import write_film
 
-    try:
-        write_film(cases, path)
-    except FilmError as error:
-        raise BadInput(str(error)) from None
+    write_film(cases, path)

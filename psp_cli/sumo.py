@@ -99,10 +99,7 @@ def _built(folder: Path, runtime: str) -> Path:
     import build_fmu
 
     options = build_fmu.parse(["--component", "controller", "--runtime", runtime, "--output", str(folder)])
-    try:
-        return build_fmu.build(options, build_fmu.networks_for(options))
-    except RuntimeError as error:
-        raise BadInput(str(error)) from None
+    return build_fmu.build(options, build_fmu.networks_for(options))
 
 
 def _leader(path: Path | None, names: Sequence[str]) -> Profile | None:
@@ -123,7 +120,7 @@ def _results(output: Path | None, fmu: Path, profile: Path | None, duration: flo
     """Where the runs are kept, refused where they were made otherwise."""
     from importlib.metadata import version
 
-    from psp_traffic.results import Results, ResultsError, digest
+    from psp_traffic.results import Results, digest
     from psp_traffic.scenario import WLTC_HIGH
 
     from .options import command_line
@@ -135,10 +132,7 @@ def _results(output: Path | None, fmu: Path, profile: Path | None, duration: flo
         "profile": digest(profile or WLTC_HIGH),
         "sumo": version("libsumo"),
     }
-    try:
-        return Results(output, settings, command_line())
-    except ResultsError as error:
-        raise BadInput(str(error)) from None
+    return Results(output, settings, command_line())
 
 
 def _compare(

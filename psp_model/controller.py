@@ -9,6 +9,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from .callbacks import Warns, silent
 from .choose import Request, choose_for_any_number
 from .errors import ModelError
 from .feasible import require_feasible
@@ -124,20 +125,20 @@ class Command:
 
 
 @dataclass
-class SampledController:
+class SampledController(Warns):
     """The feedback law for measured vehicles; the state is one immutable `Command`.
 
     Attributes
     ----------
     settings : what it is told once
     networks : by number of vehicles
-    warn : called with one sentence for each thing to be warned of
+    warn : called with one sentence for each thing to be warned of; a pickle keeps it where pickle can
     now : the command held, all zeros before the first sampling instant
     """
 
     settings: ControllerSettings
     networks: Mapping[int, ParameterNetwork] = field(default_factory=dict)
-    warn: Callable[[str], None] = lambda sentence: None
+    warn: Callable[[str], None] = silent
     now: Command = field(init=False)
 
     def __post_init__(self) -> None:
@@ -164,7 +165,7 @@ class SampledController:
             if self.settings.bad_input is BadMeasurement.ERROR:
                 raise
             if self.now.in_order:
-                self.warn(str(ModelError("safe_action", time, str(error))))
+                self.warn(str(ModelError("safe_action", time, error)))
             self.now = self._safe_action(measured)
             return
         self.now = self._regular(time, n, measured)

@@ -1,12 +1,16 @@
-"""The one exception of the model, and the sentences it carries.
+"""The root of all errors that a user can cause, the model's own error, and the sentences it carries.
 
 Every sentence says value, unit, limit and remedy.  They are printf formats so that the native FMU, which has
-no Python, prints the same words: `fmu_src` copies this table into its C sources.
+no Python, prints the same words: `fmu_src` copies this table into its C sources.  The one colon in a sentence that a
+space follows stands between problem and remedy.
 """
 
+from __future__ import annotations
+
 import re
+from collections.abc import Mapping
 from itertools import combinations
-from typing import Any
+from typing import Any, ClassVar
 
 SENTENCES = {
     "finite": "%s must be a finite number, not %.10g: give it a value in %s",
@@ -34,14 +38,14 @@ SENTENCES = {
     "shape": "%d gaps and %d speeds do not belong to one platoon: n vehicles have n - 1 gaps and n speeds",
     "gap": "gap s[%d] = %.10g m must exceed L = %.10g m: start the vehicles further apart or lower L",
     "speed": "speed v[%d] = %.10g m/s must lie in [0, %.10g] m/s: start vehicle %d slower than v_max and not backwards",
-    "lemma1_gap": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1): vehicle %d could close its gap "
-    "s[%d] = %.10g m to L = %.10g m at v_max = %.10g m/s within T; choose T < %.10g s, or lemma1_policy 3",
-    "lemma1_fast": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1): vehicle %d, at "
+    "lemma1_gap": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1), as vehicle %d could close its "
+    "gap s[%d] = %.10g m to L = %.10g m at v_max = %.10g m/s within T: choose T < %.10g s, or lemma1_policy 3",
+    "lemma1_fast": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1), as vehicle %d, at "
     "v[%d] = %.10g m/s with a[%d] = %.10g m/s2, would reach v_max = %.10g m/s within "
-    "T; choose T < %.10g s, or lemma1_policy 3",
-    "lemma1_slow": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1): vehicle %d, at "
+    "T: choose T < %.10g s, or lemma1_policy 3",
+    "lemma1_slow": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1), as vehicle %d, at "
     "v[%d] = %.10g m/s with a[%d] = %.10g m/s2, would come to a stop, %.10g m/s, within "
-    "T; choose T < %.10g s, or lemma1_policy 3",
+    "T: choose T < %.10g s, or lemma1_policy 3",
     "choice": "%s = %d must lie in %d to %d: choose one of these whole numbers",
     "count": "%s = %d must be at least 1: choose a larger whole number",
     "horizon": "rollout_horizon = %.10g s must be positive and finite: give it a time above 0 s",
@@ -61,10 +65,6 @@ SENTENCES = {
     "fallback": "the initial state has %s: alpha = %.10g, r = %.10g m, p = %.10g are used instead of the network's",
     "left_gap": "gap s[%d] = %.10g m has fallen to L = %.10g m at t = %.10g s, where the model ends: choose a smaller "
     "T, or lemma1_policy 3",
-    "fixed": "%s is a fixed parameter: set it before initialisation ends, or reset the FMU first",
-    "output": "%s is an output and cannot be set: set parameters only",
-    "reference": "value reference %d belongs to no %s variable of this FMU: take it from modelDescription.xml",
-    "internal": "internal error in %s, %s: please report it with the start values that led to it",
     "compiler": "the rollouts could not be compiled (%s): install the extra psp-platoon[offline], which brings "
     "a C compiler",
     "duration": "duration = %.10g s must be finite and not negative: give the run a length of 0 s or more",
@@ -110,23 +110,109 @@ SENTENCES = {
     "steps, or start further from L",
 }
 
+SEPARATOR = ": "
+"""What stands between problem and remedy."""
 
-def _filled(sentence: str, values: tuple[Any, ...]) -> str:
-    """A sentence with its values; where numbers that differ would look alike ("35 is above 35"), all with 17 digits.
+_CONVERSION = re.compile(r"%(?:\.1[07]g|d|s|%)")
+
+Value = float | int | str | BaseException
+"""What a sentence is filled with: a number, a text, or an error whose sentence goes on with this one's."""
+
+
+def parts_of(sentence: str) -> tuple[str, str]:
+    """Problem and remedy of a sentence, or of the format of one.
+
+    Parameters
+    ----------
+    sentence : with its separator; where there are several, as in "file: line: problem: remedy", the last one counts
+
+    Returns
+    -------
+    problem, remedy : the remedy is empty where there is no separator
+    """
+    problem, separator, remedy = sentence.rpartition(SEPARATOR)
+    return (problem, remedy) if separator else (sentence, "")
+
+
+class PspError(Exception):
+    """The root of all errors that a user can cause; its text is one sentence, "problem: remedy".
+
+    Attributes
+    ----------
+    problem : what is wrong, with value, unit and limit
+    remedy : what to do about it
+    key : name of the sentence in a table of sentences, None where it comes from none
+    values : what that sentence was filled with
+
+    Parameters
+    ----------
+    problem : the same; without `remedy` the whole sentence
+    remedy : the same
+    """
+
+    key: str | None = None
+    values: tuple[Value, ...] = ()
+
+    def __init__(self, problem: str, remedy: str | None = None):
+        # `args` are the arguments of the constructor: that is all that pickle and copy ask of an exception
+        super().__init__(*((problem,) if remedy is None else (problem, remedy)))
+        self.problem, self.remedy = parts_of(problem) if remedy is None else (problem, remedy)
+
+    def __str__(self) -> str:
+        return SEPARATOR.join(part for part in (self.problem, self.remedy) if part)
+
+
+class TableError(PspError):
+    """An error whose sentence stands in a table.
+
+    Attributes
+    ----------
+    sentences : the table, formats by key
+
+    Parameters
+    ----------
+    key : of the sentence
+    values : that it is filled with
+    """
+
+    sentences: ClassVar[Mapping[str, str]] = {}
+    key: str
+
+    def __init__(self, key: str, *values: object):
+        sentence = self.sentences[key]
+        plain = _plain(sentence, values)
+        super().__init__(*_filled(sentence, plain))
+        self.args = (key, *plain)
+        self.key, self.values = key, plain
+
+
+class ModelError(TableError, ValueError):
+    """A value outside the model's domain; the message is one sentence with value, unit, limit and remedy."""
+
+    sentences = SENTENCES
+
+
+def _plain(sentence: str, values: tuple[object, ...]) -> tuple[Value, ...]:
+    """The values as the sentence shows them: Python's own numbers and texts, whatever array they come from."""
+    made: dict[str, Any] = {"%.10g": float, "%d": int, "%s": _text}
+    conversions = (one for one in _CONVERSION.findall(sentence) if one != "%%")
+    return tuple(made[conversion](value) for conversion, value in zip(conversions, values, strict=True))
+
+
+def _text(value: object) -> str | PspError:
+    return value if isinstance(value, PspError) else str(value)
+
+
+def _filled(sentence: str, values: tuple[Value, ...]) -> tuple[str, str]:
+    """Problem and remedy; where numbers that differ would look alike ("35 is above 35"), all with 17 digits.
 
     fmu_src/c/front_log.c does the same.
     """
-    conversions = re.findall(r"%(?:\.10g|d|s|%)", sentence)
-    places = zip((one for one in conversions if one != "%%"), values, strict=True)
-    numbers = [float(value) for conversion, value in places if conversion == "%.10g"]
+    numbers = [value for value in values if isinstance(value, float)]
     if any((a < b or a > b) and f"{a:.10g}" == f"{b:.10g}" for a, b in combinations(numbers, 2)):
         sentence = sentence.replace("%.10g", "%.17g")
-    return sentence % values
-
-
-class ModelError(ValueError):
-    """A value outside the model's domain; the message is one sentence with value, unit, limit and remedy."""
-
-    def __init__(self, key: str, *values: object):
-        super().__init__(_filled(SENTENCES[key], values))
-        self.key = key
+    problem, remedy = parts_of(sentence)
+    count = sum(one != "%%" for one in _CONVERSION.findall(problem))
+    if remedy == "%s" and isinstance(cause := values[-1], PspError):  # the remedy is that of what led to this
+        return SEPARATOR.join([problem % values[:count], cause.problem]), cause.remedy
+    return problem % values[:count], remedy % values[count:]

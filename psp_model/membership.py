@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .callbacks import silent
 from .errors import ModelError
 from .parameters import PotentialParameters
 from .platoon import Lemma1Policy, SampledPlatoon, Vector
@@ -141,7 +142,7 @@ class OpenPlatoon:
             return None
         x, s, v = motion
         trial = copy(self.platoon)
-        trial.warn = lambda sentence: None
+        trial.warn = silent
         trial.sampling = replace(trial.sampling, policy=Lemma1Policy.SHORTEN)  # looks, and never raises
         trial.take_over(period, fraction, x, s, v, self.choose(s, v) if anew else trial.shape)
         if not trial.now.T_max > trial.sampling.T:

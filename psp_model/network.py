@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from copy import copy
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
@@ -34,7 +35,7 @@ class ParameterNetwork:
     A network for any number of vehicles between two bounds has the inputs `gaps`, float32 [batch, n-1], and `speeds`,
     float32 [batch, n].  Output `parameters` is float32 [batch, 3], alpha, r [m], p.  A network that also ranks
     candidates has the outputs `scores`, float32 [batch, K], and `dictionary`, float32 [K, 3].  All scaling is inside.
-    The file is read when it is first needed.
+    The file is read when it is first needed; a pickle carries what was read, and opens it again.
 
     Parameters
     ----------
@@ -47,6 +48,18 @@ class ParameterNetwork:
 
     def __init__(self, path: Path | str):
         self.path = Path(path)
+        self._content: bytes | None = None  # of the file, once it was found in order
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"path": self.path, "_content": self._content}
+
+    def __copy__(self) -> ParameterNetwork:
+        made = ParameterNetwork(self.path)
+        vars(made).update(vars(self))  # the session, too, which nothing changes
+        return made
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> ParameterNetwork:
+        return copy(self)
 
     @cached_property
     def _session(self) -> Any:
@@ -59,7 +72,7 @@ class ParameterNetwork:
         options.graph_optimization_level = onnxruntime.GraphOptimizationLevel.ORT_ENABLE_BASIC
         options.log_severity_level = 4  # what is wrong is said once, by ModelError
         try:
-            content = self.path.read_bytes()
+            content = self.path.read_bytes() if self._content is None else self._content
         except OSError as error:
             raise ModelError("network_missing", self.path.name, error.strerror) from None
         try:
@@ -67,6 +80,7 @@ class ParameterNetwork:
         except Exception:  # onnxruntime raises a class of its own for every kind of damage
             raise ModelError("network_damaged", self.path.name) from None
         self._require_shapes(session)
+        self._content = content
         return session
 
     def _require_shapes(self, session: Any) -> None:

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 import onnx
-from psp_model.errors import SENTENCES
+from psp_model import errors
 from psp_model.network import DICTIONARY, PARAMETERS, SCORES
 from psp_model.parameters import ALPHA_MAX, ALPHA_MIN, P_MAX, P_MIN
 
+from ..errors import SENTENCES, BuildError
 from ..python_runtime import NetworkFile
 from ..variables import Variable
 from .onnx_graph import Chain, Layer, candidates, chain_to, require_same
@@ -64,7 +65,9 @@ def model_header(
     lines += [f"#define PSP_{name} {value}" for name, value in defines.items()]
     lines += ["", "#define PSP_STARTS {" + ", ".join(repr(float(start)) for start in starts) + "}"]
     lines += ["#define PSP_NAMES {" + ", ".join(_text(variable.name) for variable in table) + "}", ""]
-    lines += [f"#define PSP_SENTENCE_{key} {_text(sentence)}" for key, sentence in SENTENCES.items()]
+    lines += [
+        f"#define PSP_SENTENCE_{key} {_text(sentence)}" for key, sentence in (errors.SENTENCES | SENTENCES).items()
+    ]
     return "/* Written by fmu_src/native/tables.py. */\n" + "\n".join([*lines, "", "#endif", ""])
 
 
@@ -95,13 +98,13 @@ def _tables(name: str, network: NetworkFile) -> tuple[list[str], int, int]:
 
     Raises
     ------
-    RuntimeError : where the network holds something that the C code does not know
+    BuildError : where the network holds something that the C code does not know
     """
     try:
         return _checked_tables(name, network)
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         remedy = "export it with psp train, or build with --runtime python"
-        raise RuntimeError(f"the network file {network.name} cannot go into C ({error}): {remedy}") from None
+        raise BuildError(f"the network file {network.name} cannot go into C ({error})", remedy) from None
 
 
 def _checked_tables(name: str, network: NetworkFile) -> tuple[list[str], int, int]:

@@ -56,7 +56,7 @@ def make_dataset(
         shutil.rmtree(parts)
     except OSError as error:
         remedy = "make room there and run the same command with --resume"
-        raise OfflineError(f"{path} could not be written ({error.strerror or error}): {remedy}") from None
+        raise OfflineError(f"{path} could not be written ({error.strerror or error})", remedy) from None
 
 
 def _prepare(parts: Path, path: Path, plan: Plan, resume: bool) -> None:

@@ -1,0 +1,22 @@
+"""What an FMU says of calls that the standard forbids, and what is at fault where one is built."""
+
+from __future__ import annotations
+
+from psp_model.errors import PspError, TableError
+
+SENTENCES = {
+    "fixed": "%s is a fixed parameter: set it before initialisation ends, or reset the FMU first",
+    "output": "%s is an output and cannot be set: set parameters only",
+    "reference": "value reference %d belongs to no %s variable of this FMU: take it from modelDescription.xml",
+    "internal": "internal error in %s, %s: please report it with the start values that led to it",
+}
+
+
+class FmiError(TableError):
+    """A call that a variable or the state of an FMU does not allow."""
+
+    sentences = SENTENCES
+
+
+class BuildError(PspError, RuntimeError):
+    """What an FMU is built from or with is at fault."""
