@@ -56,8 +56,10 @@ def gather(
     found = read_scenario(scenario) if scenario else Scenario()
     if vehicles is not None:
         if not 2 <= vehicles <= MOST_VEHICLES:
-            few = "few: a platoon has at least 2" if vehicles < 2 else f"many: choose at most {MOST_VEHICLES}"
-            raise BadInput(f"{vehicles} vehicles are too {few}")
+            few, remedy = (
+                ("few", "a platoon has at least 2") if vehicles < 2 else ("many", f"choose at most {MOST_VEHICLES}")
+            )
+            raise BadInput(f"{vehicles} vehicles are too {few}", remedy)
         if scenario and vehicles != found.vehicles:
             raise BadInput(
                 f"--vehicles {vehicles} contradicts {scenario}, which has {found.vehicles}: change one of them"
