@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fmu_src.errors import FmiError
 from psp_model import (
     BEST_FIXED,
     Lemma1Policy,
@@ -22,7 +23,7 @@ from psp_model import (
     Sampling,
     simulate,
 )
-from psp_model.errors import SENTENCES
+from psp_model.errors import SENTENCES, TableError
 
 NAN, INF, TINY = float("nan"), float("inf"), 5e-324
 GAPS, SPEEDS = [9.0, 9.0], [30.0, 30.0, 30.0]
@@ -202,20 +203,21 @@ def test_numbers_are_rounded_where_that_hides_nothing() -> None:
 
 ROOT = Path(__file__).parents[2]
 FORMAT = re.compile(r"%(?:\.10g|d|s|%)")
+TABLES: tuple[type[TableError], ...] = (ModelError, FmiError)
 
 
-@pytest.mark.parametrize("key", SENTENCES)
-def test_every_sentence_formats_in_python_and_in_c(key: str) -> None:
-    sentence = SENTENCES[key]
+@pytest.mark.parametrize(("table", "key"), [(table, key) for table in TABLES for key in table.sentences])
+def test_every_sentence_formats_in_python_and_in_c(table: type[TableError], key: str) -> None:
+    sentence = table.sentences[key]
     assert re.findall("%", FORMAT.sub("", sentence)) == [], "only %.10g, %d, %s and %% mean the same in both"
     samples: dict[str, Any] = {"%.10g": 1.5, "%d": 3, "%s": "name"}
     values = [samples[conversion] for conversion in FORMAT.findall(sentence) if conversion != "%%"]
-    text = str(ModelError(key, *values))
+    text = str(table(key, *values))
     assert "%" not in text and "\n" not in text
     assert re.search(r"[:,(] ?\S", text) and not text.endswith("."), text
 
 
-@pytest.mark.parametrize("key", SENTENCES)
+@pytest.mark.parametrize("key", SENTENCES | FmiError.sentences)
 def test_every_sentence_is_used(key: str) -> None:
     python = [path for folder in ("psp_model", "fmu_src") for path in (ROOT / folder).rglob("*.py")]
     sources = {path: path.read_text(encoding="utf-8") for path in python if path.name != "errors.py"}
