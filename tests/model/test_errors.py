@@ -196,6 +196,15 @@ def test_what_is_raised_is_of_the_one_root_and_has_a_remedy(path: Path) -> None:
         assert ": " in text, f"{where} has no remedy"
 
 
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_keys_are_of_the_table_that_the_error_looks_into(path: Path) -> None:
+    tables = {table.__name__: sentences for table, sentences in TABLES.items()}
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Call) and ast.unparse(node.func) in tables and isinstance(node.args[0], ast.Constant):
+            where = f"{path.relative_to(ROOT)}:{node.lineno}: {ast.unparse(node)}"
+            assert node.args[0].value in tables[ast.unparse(node.func)], where
+
+
 def local(call: Callable[..., Any], *args: Any, **kwargs: Any) -> PspError:
     with pytest.raises(PspError) as caught:
         call(*args, **kwargs)
