@@ -1,7 +1,7 @@
 """Files around an FMU that other tools ask for: SSP with parameter sets, cross-check files, FMI-LS-REF.
 
-`python -m fmu_src.ecosystem FMU FOLDER` writes NAME_in.csv, NAME_ref.csv and NAME_ref.opt for an FMU of ours and, for the
-platoon, Platoon.ssp, scenario1.ssv and scenario2.ssv.
+`python -m fmu_src.ecosystem FMU FOLDER` writes NAME_in.csv, NAME_ref.csv and NAME_ref.opt for an FMU of ours and, for
+the platoon, Platoon.ssp, scenario1.ssv and scenario2.ssv.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def _scenario_sets(fmu: Path) -> dict[str, dict[str, float]]:
 
 
 def write_platoon_ssp(fmu: Path, path: Path) -> Path:
-    """A flat .ssp with one component, its parameters and outputs: scenario1.ssd, scenario2.ssd, and by default the latter.
+    """A flat .ssp with one component, its parameters and outputs: scenario1.ssd, scenario2.ssd; the latter by default.
 
     Parameters
     ----------
@@ -118,7 +118,8 @@ def shown_outputs(names: Sequence[str]) -> list[str]:
 def write_cross_check(fmu: Path, folder: Path) -> list[Path]:
     """The three files of the FMI project's cross-check for the default start: all inputs, up to 10 outputs, options.
 
-    Inputs keep their start values, so that it does not matter how a tool interpolates between rows.
+    Inputs keep their start values, so that it does not matter how a tool interpolates between rows.  An FMU without
+    inputs has no NAME_in.csv, which is optional: fmuCheck cannot read one with time alone.
 
     Parameters
     ----------
@@ -132,13 +133,13 @@ def write_cross_check(fmu: Path, folder: Path) -> list[Path]:
     inputs = {row.name: float(row.start) for row in _variables(fmu, "input")}
     names = shown_outputs([row.name for row in _variables(fmu, "output")])
     given = np.array([[time, *inputs.values()] for time in (0.0, STOP_TIME)])
-    columns = np.rec.fromarrays(given.T, names=["time", *inputs]) if inputs else None
+    columns = np.array([tuple(row) for row in given], dtype=[(name, float) for name in ("time", *inputs)])
     step = {"step_size": STEP_SIZE, "output_interval": 0.1}
-    result = simulate_fmu(str(fmu), stop_time=STOP_TIME, output=names, input=columns, **step)
+    result = simulate_fmu(str(fmu), stop_time=STOP_TIME, output=names, input=columns if inputs else None, **step)
     rows = np.column_stack([result[name] for name in ("time", *names)])
     options = {"StartTime": 0.0, "StopTime": STOP_TIME, "StepSize": STEP_SIZE, "RelTol": 1e-6}
-    contents = {
-        "in.csv": _csv(["time", *inputs], given),
+    contents = {"in.csv": _csv(["time", *inputs], given)} if inputs else {}
+    contents |= {
         "ref.csv": _csv(["time", *names], rows),
         "ref.opt": "".join(f"{name},{value!r}\n" for name, value in options.items()),
     }

@@ -1,20 +1,21 @@
 """A system of FMUs as one flat .ssp file: connectors on components, connections between them (SSP 1.0).
 
-SystemStructure.ssd is what a master opens that is told nothing else.  Further scenarios are further .ssd files, as a master
-applies all parameters that one .ssd binds: of two values for a parameter, the last wins.
+SystemStructure.ssd is what a master opens that is told nothing else.  Each scenario is an .ssd file of its own, because
+a master applies all parameters that one .ssd binds: of two values for a parameter, the last wins.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from math import isfinite
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from fmpy import read_model_description
 
 from .packing import write_fmu
-from .ssp_annotations import annotate_component, annotate_experiment, annotate_system
+from .ssp_annotations import annotate_experiment, annotate_system
 
 _SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
 _SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
@@ -68,13 +69,14 @@ def with_values(parameters: Values, values: Values) -> dict[str, float]:
 
     Raises
     ------
-    ValueError : where an Integer is given a number that is not whole
+    ValueError : where a value is not finite, or an Integer is given a number that is not whole
     """
     found: dict[str, float] = {}
     for name, start in parameters.items():
         value = values.get(name, start)
-        if isinstance(start, int) and value != int(value):
-            raise ValueError(f"{name} = {value!r} must be a whole number: it is an Integer, give it one")
+        if not isfinite(value) or (isinstance(start, int) and value != int(value)):
+            kind = "whole" if isinstance(start, int) else "finite"
+            raise ValueError(f"{name} = {value!r} must be a {kind} number: give it one")
         found[name] = int(value) if isinstance(start, int) else float(value)
     return found
 
@@ -127,7 +129,6 @@ def _write_component(parent: Element, name: str, component: SystemComponent, sce
         binding = SubElement(SubElement(element, "ssd:ParameterBindings"), "ssd:ParameterBinding")
         holder = SubElement(binding, "ssd:ParameterValues")
         holder.append(parameter_set(scenario, component.parameter_sets[scenario]))
-    annotate_component(element)
 
 
 @dataclass(frozen=True)
@@ -221,7 +222,7 @@ def _loop_parameters(fmus: Mapping[str, Path], values: Values) -> dict[str, dict
     scenarios = {"given": values} | {name: {**values, **changed} for name, changed in SCENARIOS.items()}
     half = 0.5 * with_values(parameters["controller"], values)["T"]
     return {
-        name: {title: with_values(starts, {"phase": half} | chosen) for title, chosen in scenarios.items()}
+        name: {title: with_values(starts, {"phase": half, **chosen}) for title, chosen in scenarios.items()}
         for name, starts in parameters.items()
     }
 
@@ -240,7 +241,7 @@ def write_loop(
     plant, controller : the FMUs
     vehicles : n
     values : parameters by name, start values of the FMUs where there is none; each component takes its own.
-        SystemStructure.ssd binds them as they are, scenario1.ssd and scenario2.ssd with what the paper's scenarios change
+        SystemStructure.ssd binds them as they are, scenario1.ssd and scenario2.ssd with what these scenarios change
     leader : FMU whose speed is the desired speed of all
 
     Returns
@@ -249,7 +250,7 @@ def write_loop(
 
     Raises
     ------
-    ValueError : where a name belongs to no component, or an Integer is given a number that is not whole
+    ValueError : where a name belongs to no component, or a value is none that its parameter can have
     """
     fmus, connections = {"plant": plant, "controller": controller}, loop_connections(vehicles)
     if leader is not None:

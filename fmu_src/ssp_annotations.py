@@ -1,4 +1,4 @@
-"""What an .ssd says to single masters: the communication step, which SSP 1.0 has no place for, as each of them reads it."""
+"""What an .ssd tells single masters: the communication step, for which SSP 1.0 has no place, as each reads it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from xml.etree.ElementTree import Element, SubElement
 _OMS = "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd"
 _MCX = "com.avl.model.connect.ssp.task"  # both the type of the annotation and its namespace
 _OSP = "http://opensimulationplatform.com/SSP/OSPAnnotations"
-_SOLVER = "oms-ma"  # OMSimulator's master with a fixed step
+_SOLVER = "oms_ma_default"  # what OMSimulator's Python calls the solver of an FMU that names none
 _TOLERANCE = 1e-6  # OMSimulator asks for one; a master with a fixed step does not use it
 
 
@@ -18,31 +18,21 @@ def _decimal(value: float) -> str:
     return format(Decimal(repr(value)), "f")
 
 
-def _add(parent: Element, contents: Mapping[str, Element]) -> None:
-    listed = SubElement(parent, "ssd:Annotations")
-    for kind, content in contents.items():
-        SubElement(listed, "ssc:Annotation", type=kind).append(content)
+def _add(parent: Element, contents: Mapping[str, tuple[str, Element]]) -> None:
+    """Add annotations: namespace and content by type.
 
-
-def _openmodelica(attributes: Mapping[str, str]) -> tuple[Element, Element]:
-    """The annotation's content, and the element in it that tells how to simulate."""
-    content = Element("oms:Annotations", {"xmlns:oms": _OMS})
-    return content, SubElement(content, "oms:SimulationInformation", dict(attributes))
-
-
-def annotate_component(component: Element) -> None:
-    """Name OMSimulator's solver for a component.
-
-    Parameters
-    ----------
-    component : gets the annotation as its last element
+    The namespace is declared outside the content: libcosim takes attributes of osp:Algorithm for algorithms.
     """
-    content, _ = _openmodelica({"name": _SOLVER})
-    _add(component, {"org.openmodelica": content})
+    listed = SubElement(parent, "ssd:Annotations")
+    for kind, (namespace, content) in contents.items():
+        prefix = content.tag.split(":")[0]
+        SubElement(listed, "ssc:Annotation", {"type": kind, f"xmlns:{prefix}": namespace}).append(content)
 
 
 def annotate_system(system: Element, step_size: float) -> None:
-    """State the step for OMSimulator: attributes for its Python interface, an element for its older command line.
+    """State the step for OMSimulator: attributes for its Python interface, an element for its command line.
+
+    A component cannot name its solver: the command line refuses annotations there.
 
     Parameters
     ----------
@@ -50,10 +40,12 @@ def annotate_system(system: Element, step_size: float) -> None:
     step_size : [s]
     """
     step = _decimal(step_size)
-    content, information = _openmodelica({"name": _SOLVER, "method": "oms_ma", "fixedStepSize": step})
-    master = {"description": _SOLVER, "stepSize": step, "relativeTolerance": _decimal(_TOLERANCE)}
+    content = Element("oms:Annotations")
+    solver = {"name": _SOLVER, "method": "oms_ma", "fixedStepSize": step}
+    information = SubElement(content, "oms:SimulationInformation", solver)
+    master = {"description": "oms-ma", "stepSize": step, "relativeTolerance": _decimal(_TOLERANCE)}
     SubElement(information, "oms:FixedStepMaster", master)
-    _add(system, {"org.openmodelica": content})
+    _add(system, {"org.openmodelica": (_OMS, content)})
 
 
 def annotate_experiment(experiment: Element, step_size: float) -> None:
@@ -65,7 +57,7 @@ def annotate_experiment(experiment: Element, step_size: float) -> None:
     step_size : [s]
     """
     step = _decimal(step_size)
-    task = Element("mc:Task", {"xmlns:mc": _MCX, "stepType": "sequential", "deltaTime": step})
-    algorithm = Element("osp:Algorithm", {"xmlns:osp": _OSP})
+    task = Element("mc:Task", stepType="sequential", deltaTime=step)
+    algorithm = Element("osp:Algorithm")
     SubElement(algorithm, "osp:FixedStepAlgorithm", baseStepSize=step)
-    _add(experiment, {_MCX: task, "com.opensimulationplatform": algorithm})
+    _add(experiment, {_MCX: (_MCX, task), "com.opensimulationplatform": (_OSP, algorithm)})
