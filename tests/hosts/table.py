@@ -32,7 +32,7 @@ HOSTS = {  # driver: (name in the table, packages of its environment)
     "cofmupy_host": ("cofmupy", ["cofmupy"]),
     "pathsim_fmi_host": ("pathsim-fmi", ["pathsim-fmi"]),
     "gemseo_fmu_host": ("gemseo-fmu", ["gemseo-fmu"]),
-    "syssimx_host": ("syssimx", ["syssimx"]),
+    "syssimx_host": ("syssimx", ["syssimx", "fmpy"]),
     "omsimulator_host": ("OMSimulator (C++, through Python)", ["OMSimulator"]),
     "fmu_container_host": ("fmu-manipulation-toolbox (check, container)", ["fmu-manipulation-toolbox", "fmpy"]),
 }
