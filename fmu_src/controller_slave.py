@@ -94,7 +94,7 @@ class PspController(TableSlave):
             n_active=self._value("n_active"),
             resolve=self._value("resolve"),
             age=time - (self._set_at if taken < 0 else taken),
-            v_desired=None if desired < 0 else desired,
+            v_desired=None if desired <= -1 else desired,
         )
         controller.sample(time, measured)
 

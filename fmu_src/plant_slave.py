@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import nextafter
+from sys import float_info
 from typing import Any
 
 import numpy as np
@@ -16,6 +18,7 @@ from .controller_variables import plant_table
 from .table_slave import TableSlave, logged
 from .variables import Variable
 
+_LEAST, _MOST = nextafter(0.0, 1.0), float_info.max
 _SAVED = ("_values", "_start_time", "_time", "_initialising")
 
 
@@ -28,7 +31,7 @@ class PspPlant(TableSlave):
         return plant_table(self.vehicles)
 
     def _initialise(self) -> IdealPlant:
-        n, free = self.vehicles, PlatoonParameters(L=1e-9, lam=1e6, v_star=1.0, v_max=1e6)  # nothing but motion forward
+        n, free = self.vehicles, PlatoonParameters(L=_LEAST, v_max=_MOST)  # nothing but order and motion forward
         gaps, speeds = np.array(self._numbers("s_start", 2, n)), np.array(self._numbers("v_start", 1, n))
         start = PlatoonState(gaps, speeds, free, self._value("x_start"))
         return IdealPlant.begin(start, Sampling(self._value("T")).T)

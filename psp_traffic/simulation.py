@@ -22,7 +22,7 @@ from .scenario import LENGTH, Scenario
 JOIN_ROOM, LANE_CHANGE_ROOM = 1.0, 3.0  # [m] free behind and ahead beyond L: to be counted in, to change lanes
 
 _EASE = 1.0  # [m/s2] at which SUMO's drivers who start faster than v_star are let down to it
-_DESIRED = (0.1, 34.9)  # [m/s] desired speeds lie strictly between 0 and v_max
+_DESIRED = (0.0, 35.0)  # [m/s] desired speeds lie between 0 and v_max
 
 
 @dataclass(frozen=True)

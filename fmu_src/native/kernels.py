@@ -14,7 +14,7 @@ from typing import Any
 import casadi
 
 from psp_model.feasible import cell_bound
-from psp_model.feedback import command
+from psp_model.feedback import command, command_towards
 from psp_model.lemma1 import period_bounds
 from psp_model.objective import acceleration_cost, gap_cost
 from psp_model.potential import on_hill, potential_slope
@@ -140,10 +140,16 @@ def _potential_kernels() -> str:
 def _feedback_kernels() -> str:
     u, v, v_star, v_max, epsilon, mu = inputs = _symbols("u v v_star v_max epsilon mu")
     commanded = command(u, v, SimpleNamespace(v_star=v_star, v_max=v_max, epsilon=epsilon, mu=mu))
-    s, a, L = _symbols("s a L")
+    s, a, L, v_desired = _symbols("s a L v_desired")
+    of_desired = SimpleNamespace(v_max=v_max, epsilon=epsilon, mu=mu)
     of_gap, of_speed = period_bounds(s, v, a, SimpleNamespace(L=L, v_max=v_max))
     return (
         _inline("command", inputs, [commanded])
+        + _inline(
+            "command_towards",
+            [u, v, v_desired, v_max, epsilon, mu],
+            [command_towards(u, v, of_desired, v_desired)],
+        )
         + _inline("gap_bound", [s, L, v_max], [of_gap])
         + _inline("speed_bound", [v, a, v_max], [of_speed])
         + _with_tangent("command", inputs, commanded)

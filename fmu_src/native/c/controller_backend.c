@@ -62,7 +62,7 @@ fmi2Status backend_do_step(Backend *backend, double from, double size)
     model->stale = 1;
     for (; instant(model) < end - TIME_TOLERANCE * T; part->sampled++) { /* at the end newer inputs may come */
         if (!part->foreseen && !sample(backend)) return fmi2Error;
-        part->now = part->foreseen ? part->ahead : backend->scratch;
+        part->now = part->foreseen ? part->ahead : backend->scratch.now;
         part->foreseen = false;
     }
     part->time = end;
@@ -77,7 +77,7 @@ static const Command *shown(Backend *backend)
     if (!part->fresh || instant(&backend->model) > part->time + TIME_TOLERANCE * part->settings.T) return &part->now;
     if (!part->foreseen) {
         if (!sample(backend)) return NULL;
-        part->ahead = backend->scratch;
+        part->ahead = backend->scratch.now;
         part->foreseen = true;
     }
     return &part->ahead;

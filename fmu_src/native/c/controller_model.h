@@ -14,6 +14,6 @@ typedef struct {
     Command now, ahead;
 } Part;
 
-typedef Command Scratch; /* a decision that may yet fail */
+typedef Decision Scratch; /* it may yet fail */
 
 #endif
