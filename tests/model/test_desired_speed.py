@@ -1,4 +1,4 @@
-"""The law for any desired speed from 0 to v_max: Theorem 1's signs, the paper's law in between, a platoon that stands."""
+"""The law for any desired speed from 0 to v_max: Theorem 1's signs, the paper's law in between, a standing platoon."""
 
 from __future__ import annotations
 

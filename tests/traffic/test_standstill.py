@@ -1,4 +1,4 @@
-"""A platoon that is told to stand, a leader who brakes to standstill, measurements with rounding errors, driving off."""
+"""A platoon told to stand, a leader who brakes to standstill, measurements with rounding errors, driving off."""
 
 from __future__ import annotations
 
