@@ -20,3 +20,7 @@ class FmiError(TableError):
 
 class BuildError(PspError, RuntimeError):
     """What an FMU is built from or with is at fault."""
+
+
+class ParameterError(PspError, ValueError):
+    """A value that no parameter of an FMU can have, or a name that none has."""

@@ -14,6 +14,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from fmpy import read_model_description
 
+from .errors import ParameterError
 from .packing import write_fmu
 from .ssp_annotations import annotate_experiment, annotate_system
 
@@ -69,14 +70,14 @@ def with_values(parameters: Values, values: Values) -> dict[str, float]:
 
     Raises
     ------
-    ValueError : where a value is not finite, or an Integer is given a number that is not whole
+    ParameterError : where a value is not finite, or an Integer is given a number that is not whole
     """
     found: dict[str, float] = {}
     for name, start in parameters.items():
         value = values.get(name, start)
         if not isfinite(value) or (isinstance(start, int) and value != int(value)):
             kind = "whole" if isinstance(start, int) else "finite"
-            raise ValueError(f"{name} = {value!r} must be a {kind} number: give it one")
+            raise ParameterError(f"{name} = {value!r} must be a {kind} number", "give it one")
         found[name] = int(value) if isinstance(start, int) else float(value)
     return found
 
@@ -218,7 +219,7 @@ def _loop_parameters(fmus: Mapping[str, Path], values: Values) -> dict[str, dict
     own = set().union(*parameters.values())
     unknown = sorted(set(values) - own)
     if unknown:
-        raise ValueError(f"{unknown[0]} is no parameter of {', '.join(fmus)}: leave it out, or correct its name")
+        raise ParameterError(f"{unknown[0]} is no parameter of {', '.join(fmus)}", "leave it out, or correct its name")
     scenarios = {"given": values} | {name: {**values, **changed} for name, changed in SCENARIOS.items()}
     half = 0.5 * with_values(parameters["controller"], values)["T"]
     return {
@@ -250,7 +251,7 @@ def write_loop(
 
     Raises
     ------
-    ValueError : where a name belongs to no component, or a value is none that its parameter can have
+    ParameterError : where a name belongs to no component, or a value is none that its parameter can have
     """
     fmus, connections = {"plant": plant, "controller": controller}, loop_connections(vehicles)
     if leader is not None:
