@@ -8,6 +8,11 @@ SENTENCES = {
     "fixed": "%s is a fixed parameter: set it before initialisation ends, or reset the FMU first",
     "output": "%s is an output and cannot be set: set parameters only",
     "reference": "value reference %d belongs to no %s variable of this FMU: take it from modelDescription.xml",
+    "memory": "there is no memory left in %s: end other programs, or build the FMU for fewer vehicles",
+    "import": "the Python %s cannot import what %s needs (%s): install numpy and onnxruntime anew in that Python, or "
+    "use the native FMU",
+    "refused": "the operating system refused what %s needs (%s): allow that, or use the native FMU",
+    "interrupted": "%s was interrupted by %s: reset the instance, or set a state that was saved before",
     "internal": "internal error in %s, %s: please report it with the start values that led to it",
 }
 

@@ -7,6 +7,7 @@ around a slave, returns that status from the FMI call.
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Callable, Iterable
 from functools import wraps
 from pathlib import Path
@@ -22,6 +23,7 @@ from psp_model.parameters import ObjectiveWeights, PlatoonParameters, PotentialP
 from psp_model.platoon import Lemma1Policy, Sampling
 
 from .errors import FmiError
+from .surroundings import Unsuitable, one_line
 from .variables import Variable
 
 CONFIG = "platoon.json"  # what build_fmu.py decided: how many vehicles, which networks
@@ -37,13 +39,27 @@ def logged(call: Callable[..., Result]) -> Callable[..., Result | bool | list[fl
     def guarded(self: TableSlave, *args: Any) -> Any:
         try:
             return call(self, *args)
-        except PspError as error:
-            self.log(str(error), Fmi2Status.error)
         except Exception as error:  # a defect of ours must not crash the host
-            self.log(str(FmiError("internal", call.__name__, repr(error))), Fmi2Status.error)
+            self.log(str(_explained(call.__name__, error)), Fmi2Status.error)
+        except BaseException as error:  # the host's, which the launcher raises there; most wait until the call is over
+            self.log(str(FmiError("interrupted", call.__name__, type(error).__name__)), Fmi2Status.error)
+            sys._psp_interruption = error  # type: ignore[attr-defined]
         return [0.0] * len(args[0]) if call.__name__.startswith("get_") else False
 
     return guarded
+
+
+def _explained(call: str, error: Exception) -> PspError:
+    """What a call has raised, as a sentence that says whose fault it is."""
+    if isinstance(error, PspError):
+        return error
+    if isinstance(error, MemoryError):
+        return FmiError("memory", call)
+    if isinstance(error, ImportError):
+        return FmiError("import", sys.executable, call, one_line(error))
+    if isinstance(error, OSError):
+        return FmiError("refused", call, one_line(error))
+    return FmiError("internal", call, repr(error))
 
 
 class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
@@ -56,7 +72,12 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         resources = Path(self.resources)
-        self._config: dict[str, Any] = json.loads((resources / CONFIG).read_text(encoding="utf-8"))
+        try:
+            self._config: dict[str, Any] = json.loads((resources / CONFIG).read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise Unsuitable(
+                f"{resources / CONFIG} cannot be read ({one_line(error)}): extract the whole FMU"
+            ) from error
         self.vehicles: int = self._config["vehicles"]
         self._table = self._make_table()
         self._place = {variable.name: place for place, variable in enumerate(self._table)}

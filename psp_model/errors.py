@@ -70,6 +70,8 @@ SENTENCES = {
     "fallback": "the initial state has %s: alpha = %.10g, r = %.10g m, p = %.10g are used instead of the network's",
     "left_gap": "gap s[%d] = %.10g m has fallen to L = %.10g m at t = %.10g s, where the model ends: choose a smaller "
     "T, or lemma1_policy 3",
+    "onnxruntime": "the Python %s cannot import onnxruntime (%s): run %s -m pip install onnxruntime, or use "
+    "parameter_source 2, or the native FMU",
     "compiler": "the rollouts could not be compiled (%s): install the extra psp-platoon[offline], which brings "
     "a C compiler",
     "duration": "duration = %.10g s must be finite and not negative: give the run a length of 0 s or more",

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import sys
 from collections.abc import Mapping
 from copy import copy
 from functools import cached_property, lru_cache
@@ -18,6 +20,27 @@ from .state import StartDomain
 INPUT, PARAMETERS, SCORES, DICTIONARY = "initial_condition", "parameters", "scores", "dictionary"
 GAPS, SPEEDS = "gaps", "speeds"
 ANY_NUMBER = "platoon_any.onnx"  # the network that serves where there is none for just that number of vehicles
+
+
+def import_onnxruntime() -> Any:
+    """The package onnxruntime, which neither writes into HOME nor asks the network for anything.
+
+    From version 1.29 on it does both on Linux and macOS, unless the environment variable ORT_DISABLE_TELEMETRY is 1
+    before it is imported; whoever has set that variable decides.
+
+    Raises
+    ------
+    ModelError : where it cannot be imported
+    """
+    os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
+    try:
+        import onnxruntime  # here, because it takes longer to import than everything else together
+
+        _ = onnxruntime.InferenceSession, onnxruntime.SessionOptions  # which a folder left of it lacks
+    except Exception as error:  # of another build, it raises whatever it likes
+        why = " ".join(f"{type(error).__name__}: {error}".split())[:300]
+        raise ModelError("onnxruntime", sys.executable, why, sys.executable) from None
+    return onnxruntime
 
 
 def _numbers(text: str) -> dict[str, float]:
@@ -63,8 +86,7 @@ class ParameterNetwork:
 
     @cached_property
     def _session(self) -> Any:
-        import onnxruntime  # here, because it takes longer to import than everything else together
-
+        onnxruntime = import_onnxruntime()
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = options.inter_op_num_threads = 1
         options.add_session_config_entry("session.intra_op.allow_spinning", "0")

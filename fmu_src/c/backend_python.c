@@ -11,6 +11,7 @@
 
 #include "front.h"
 #include "library.h"
+#include "python_host.h"
 #include "python_library.h"
 
 #ifdef _WIN32
@@ -33,16 +34,28 @@ struct Backend {
     Front *front;
     fmi2Component component;
     fmi2CallbackFunctions callbacks; /* pythonfmu keeps a pointer to it */
-    bool dead;                       /* pythonfmu failed fatally */
+    void (*let_go)(void);            /* see LET_GO; NULL if the library has no such function */
+    bool explained;                  /* the slave has said what is missing */
+    bool dead;                       /* pythonfmu failed fatally, or Python has ended */
 };
+
+/* pythonfmu begins the text of an exception like this; what follows the second mark is a sentence of surroundings.py. */
+#define FATAL_TEXT "Fatal py exception encountered: "
+#define SENTENCE "\npsp: "
+
 
 /* What pythonfmu logs is text, not a format. */
 static void receive_message(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
                             fmi2String message, ...)
 {
+    Backend *model = environment;
+    const char *sentence = NULL;
     (void)name, (void)category;
     if (status < fmi2OK || status > fmi2Fatal) status = fmi2Error;
-    front_log(environment, status, "%s", message ? message : "");
+    if (!message) message = "";
+    if (strncmp(message, FATAL_TEXT, strlen(FATAL_TEXT)) == 0) sentence = strstr(message, SENTENCE);
+    if (sentence) model->explained = true;
+    front_log(model->front, sentence ? fmi2Error : status, "%s", sentence ? sentence + strlen(SENTENCE) : message);
 }
 
 static FILE *open_resource(const char *resources, const char *name, const char *ending)
@@ -110,31 +123,75 @@ static bool readable(Front *front, const char *resources)
 }
 
 /* pythonfmu's library lets go of the same shared pointer twice when a process on Linux ends, and writes into freed memory:
- * its destructor function runs after the destructor of the pointer.  Letting go once before both is harmless. */
-static void (*let_go)(void) = NULL; /* the library's, not an instance's */
+ * its destructor function runs after the destructor of the pointer.  Nobody needs what it points to once there is an
+ * instance, because Python is not started by pythonfmu: the pointer is let go of at once. */
+#define LET_GO "finalizePythonInterpreter"
 
-static void let_go_at_exit(void) { let_go(); }
+/* Hash of a file's content; 0 if it cannot be read. */
+static uint64_t hash_of(const char *path)
+{
+    uint64_t hash = 0;
+    FILE *stream = fopen(path, "rb");
+    long size = stream && fseek(stream, 0, SEEK_END) == 0 ? ftell(stream) : 0;
+    char *bytes = size > 0 ? malloc((size_t)size) : NULL;
+    if (bytes && fseek(stream, 0, SEEK_SET) == 0 && fread(bytes, 1, (size_t)size, stream) == (size_t)size)
+        hash = front_hash(bytes, (size_t)size);
+    free(bytes);
+    if (stream) fclose(stream);
+    return hash;
+}
+
+/* pythonfmu's library of this FMU, which stays loaded for good.  Every archive that is extracted brings a copy of its own:
+ * one of those that are alike is loaded. */
+static void *open_pythonfmu(Front *front, const char *path)
+{
+    char name[64], why[512];
+    const uint64_t hash = hash_of(path);
+    snprintf(name, sizeof name, "_psp_pythonfmu_%08lx%08lx", (unsigned long)(hash >> 32), (unsigned long)(hash & 0xffffffff));
+    void *library = hash ? python_recall(name) : NULL;
+    if (library) return library;
+    library = library_open(path, false);
+    if (library && hash) python_remember(name, library);
+    if (library) return library;
+    library_error(why, sizeof why);
+    front_fail(front, "%s cannot be loaded (%s): %s", path, why,
+               strstr(why, "map segment") ? "its folder allows no programs (mounted noexec), let the host extract FMUs into "
+                                            "another one, TMPDIR"
+                                          : "extract the whole FMU, and install what this message names");
+    return NULL;
+}
 
 static bool load_pythonfmu(Backend *model, const char *resources)
 {
-    char path[2048], why[512];
+    char path[2048];
     snprintf(path, sizeof path, "%s%s", resources, EXPORT_LIBRARY);
-    void *library = library_open(path, false);
+    void *library = open_pythonfmu(model->front, path);
     bool found = library != NULL;
 #define X(name) found = found && library_function(library, "fmi2" #name, &model->name);
     FUNCTIONS(X)
 #undef X
-    if (!found)
-        front_fail(model->front, "%s cannot be loaded (%s): extract the whole FMU, and install what this message names",
-                   path, library_error(why, sizeof why));
-    else if (!let_go && library_function(library, "finalizePythonInterpreter", &let_go))
-        atexit(let_go_at_exit);
+    if (library && !found) front_fail(model->front, "%s is not pythonfmu's library: extract the whole FMU", path);
+    if (!library || !library_function(library, LET_GO, &model->let_go)) model->let_go = NULL;
     return found;
+}
+
+/* Makes the slave; between python_enter and python_leave. */
+static void instantiate(Backend *model, const char *guid, const char *resources, bool visible)
+{
+    Front *front = model->front;
+    if (!load_pythonfmu(model, resources)) return;
+    model->component = model->Instantiate(front->name, fmi2CoSimulation, guid, resources, &model->callbacks, visible, fmi2True);
+    if (model->let_go) model->let_go();
+    python_forget_path(resources); /* which pythonfmu put into sys.path, and everything is imported now */
+    if (!model->component && !model->explained)
+        front_fail(front, "the Python part of this FMU did not start, the message before, if there is one, says why: extract "
+                          "the whole FMU, and look at what `psp doctor` says of it");
 }
 
 Backend *backend_new(Front *front, const char *guid, const char *resources, bool visible)
 {
     char path[2048];
+    PythonCall call;
     if (resources) resources = openable(resources, path, sizeof path);
     if (!readable(front, resources) || !python_is_running(front)) return NULL;
     Backend *model = calloc(1, sizeof *model);
@@ -143,53 +200,79 @@ Backend *backend_new(Front *front, const char *guid, const char *resources, bool
     model->callbacks.logger = receive_message;
     model->callbacks.allocateMemory = calloc;
     model->callbacks.freeMemory = free;
-    model->callbacks.componentEnvironment = front;
-    if (load_pythonfmu(model, resources))
-        model->component = model->Instantiate(front->name, fmi2CoSimulation, guid, resources, &model->callbacks, visible,
-                                              fmi2True);
+    model->callbacks.componentEnvironment = model;
+    if (!python_functions() || !python_enter(&call, true)) {
+        front_fail(front, "the Python in this process has ended, or lacks functions of Python's stable interface: keep it "
+                          "running for as long as there are instances, or use the native FMU");
+    } else {
+        instantiate(model, guid, resources, visible);
+        python_leave(&call, !model->component);
+    }
     if (model->component) return model;
-    if (front->worst > fmi2Warning)
-        front_fail(front, "the Python part of this FMU did not start, the message before says why: install what is missing "
-                          "into that Python; `psp doctor` lists what the FMU needs");
     free(model);
     return NULL;
 }
 
 void backend_free(Backend *model)
 {
-    if (!model->dead) model->FreeInstance(model->component);
+    PythonCall call;
+    if (!model->dead && python_enter(&call, false)) { /* Python's end has freed what was Python's */
+        model->FreeInstance(model->component);
+        python_leave(&call, false);
+    }
     free(model);
 }
 
-/* The status of a call into pythonfmu: after a fatal error nothing is forwarded any more. */
-static fmi2Status judged(Backend *model, fmi2Status status)
+/* Begins a call into pythonfmu; after a fatal error, and after Python's end, nothing is forwarded any more. */
+static bool begin(Backend *model, PythonCall *call, bool look)
+{
+    if (model->dead) return false;
+    if (python_enter(call, look)) return true;
+    model->dead = true;
+    front_log(model->front, fmi2Fatal, "Python has ended in this process, and with it this instance: free the instances "
+                                       "before Python ends, or use the native FMU");
+    return false;
+}
+
+/* Ends it: the status of the call. */
+static fmi2Status end(Backend *model, PythonCall *call, fmi2Status status)
 {
     if (status >= fmi2Fatal || model->front->worst >= fmi2Fatal) {
         model->dead = true;
-        return fmi2Fatal;
+        status = fmi2Fatal;
     }
+    python_leave(call, status > fmi2Warning || model->front->worst > fmi2Warning);
     return status;
 }
 
-#define FORWARD(call) (model->dead ? fmi2Fatal : judged(model, call))
+#define FORWARD(look, action)                                                                                          \
+    do {                                                                                                               \
+        PythonCall call;                                                                                               \
+        return begin(model, &call, look) ? end(model, &call, (action)) : fmi2Fatal;                                    \
+    } while (0)
 
 fmi2Status backend_setup(Backend *model, const double *tolerance, double start, const double *stop)
 {
-    return FORWARD(model->SetupExperiment(model->component, tolerance != NULL, tolerance ? *tolerance : 0.0, start,
-                                          stop != NULL, stop ? *stop : 0.0));
+    FORWARD(true, model->SetupExperiment(model->component, tolerance != NULL, tolerance ? *tolerance : 0.0, start,
+                                         stop != NULL, stop ? *stop : 0.0));
 }
 
-fmi2Status backend_enter_initialization(Backend *model) { return FORWARD(model->EnterInitializationMode(model->component)); }
+fmi2Status backend_enter_initialization(Backend *model) { FORWARD(true, model->EnterInitializationMode(model->component)); }
 
-fmi2Status backend_exit_initialization(Backend *model) { return FORWARD(model->ExitInitializationMode(model->component)); }
+fmi2Status backend_exit_initialization(Backend *model) { FORWARD(true, model->ExitInitializationMode(model->component)); }
 
-fmi2Status backend_terminate(Backend *model) { return FORWARD(model->Terminate(model->component)); }
+fmi2Status backend_terminate(Backend *model) { FORWARD(false, model->Terminate(model->component)); }
 
-fmi2Status backend_reset(Backend *model) { return FORWARD(model->Reset(model->component)); }
+fmi2Status backend_reset(Backend *model) { FORWARD(true, model->Reset(model->component)); }
+
+static fmi2Status do_step(Backend *model, double from, double size)
+{
+    FORWARD(false, model->DoStep(model->component, from, size, fmi2False));
+}
 
 fmi2Status backend_do_step(Backend *model, double from, double size)
 {
-    fmi2Status status = FORWARD(model->DoStep(model->component, from, size, fmi2False));
+    const fmi2Status status = do_step(model, from, size);
     if (status != fmi2Discard) return status;
     if (model->front->worst >= fmi2Discard) return model->front->worst;
     return front_fail(model->front, "the step at t = %.10g s failed without a reason given: look at the messages before",
@@ -199,7 +282,7 @@ fmi2Status backend_do_step(Backend *model, double from, double size)
 #define VARIABLES(function, name, type)                                                                                \
     fmi2Status function(Backend *model, const fmi2ValueReference vr[], size_t count, type value[])                     \
     {                                                                                                                  \
-        return FORWARD(model->name(model->component, vr, count, value));                                               \
+        FORWARD(false, model->name(model->component, vr, count, value));                                               \
     }
 
 VARIABLES(backend_get_real, GetReal, fmi2Real)
@@ -221,28 +304,31 @@ NONE(backend_get_string, fmi2String, "String")
 NONE(backend_set_boolean, const fmi2Boolean, "Boolean")
 NONE(backend_set_string, const fmi2String, "String")
 
-fmi2Status backend_get_state(Backend *model, void **state) { return FORWARD(model->GetFMUstate(model->component, state)); }
+fmi2Status backend_get_state(Backend *model, void **state) { FORWARD(false, model->GetFMUstate(model->component, state)); }
 
-fmi2Status backend_set_state(Backend *model, void *state) { return FORWARD(model->SetFMUstate(model->component, state)); }
+fmi2Status backend_set_state(Backend *model, void *state) { FORWARD(false, model->SetFMUstate(model->component, state)); }
 
 void backend_free_state(Backend *model, void *state)
 {
-    if (!model->dead) model->FreeFMUstate(model->component, &state);
+    PythonCall call;
+    if (model->dead || !python_enter(&call, false)) return;
+    model->FreeFMUstate(model->component, &state);
+    python_leave(&call, false);
 }
 
 fmi2Status backend_state_size(Backend *model, void *state, size_t *size)
 {
-    return FORWARD(model->SerializedFMUstateSize(model->component, state, size));
+    FORWARD(false, model->SerializedFMUstateSize(model->component, state, size));
 }
 
 fmi2Status backend_write_state(Backend *model, void *state, char *bytes, size_t size)
 {
-    return FORWARD(model->SerializeFMUstate(model->component, state, bytes, size));
+    FORWARD(false, model->SerializeFMUstate(model->component, state, bytes, size));
 }
 
 fmi2Status backend_read_state(Backend *model, const char *bytes, size_t size, void **state)
 {
-    return FORWARD(model->DeSerializeFMUstate(model->component, bytes, size, state));
+    FORWARD(false, model->DeSerializeFMUstate(model->component, bytes, size, state));
 }
 
 fmi2Status backend_directional_derivative(Backend *model, const fmi2ValueReference unknowns[], size_t unknown_count,
