@@ -43,6 +43,19 @@ def import_onnxruntime() -> Any:
     return onnxruntime
 
 
+@lru_cache(maxsize=64)
+def _open_session(content: bytes) -> Any:
+    """A session for a file's content, one for all copies: an FMU that is loaded again lies in another folder."""
+    onnxruntime = import_onnxruntime()
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = options.inter_op_num_threads = 1
+    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
+    # the further optimisations hang or crash on some files with sizes that cannot be
+    options.graph_optimization_level = onnxruntime.GraphOptimizationLevel.ORT_ENABLE_BASIC
+    options.log_severity_level = 4  # what is wrong is said once, by ModelError
+    return onnxruntime.InferenceSession(content, options, providers=["CPUExecutionProvider"])
+
+
 def _numbers(text: str) -> dict[str, float]:
     """Finite numbers by name, from JSON."""
     found = {name: float(value) for name, value in json.loads(text).items()}
@@ -86,19 +99,13 @@ class ParameterNetwork:
 
     @cached_property
     def _session(self) -> Any:
-        onnxruntime = import_onnxruntime()
-        options = onnxruntime.SessionOptions()
-        options.intra_op_num_threads = options.inter_op_num_threads = 1
-        options.add_session_config_entry("session.intra_op.allow_spinning", "0")
-        # the further optimisations hang or crash on some files with sizes that cannot be
-        options.graph_optimization_level = onnxruntime.GraphOptimizationLevel.ORT_ENABLE_BASIC
-        options.log_severity_level = 4  # what is wrong is said once, by ModelError
         try:
             content = self.path.read_bytes() if self._content is None else self._content
         except OSError as error:
             raise ModelError("network_missing", self.path.name, error.strerror) from None
+        import_onnxruntime()
         try:
-            session = onnxruntime.InferenceSession(content, options, providers=["CPUExecutionProvider"])
+            session = _open_session(content)
         except Exception:  # onnxruntime raises a class of its own for every kind of damage
             raise ModelError("network_damaged", self.path.name) from None
         self._require_shapes(session)
