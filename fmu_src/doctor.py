@@ -153,10 +153,10 @@ def _python(requirements: dict[str, str]) -> Iterator[Finding]:
         surroundings.python_problem(answer["executable"], answer["version"], answer["bits"]),
         f"Python {version} on PATH: {answer['executable']}",
     )
-    for package, (found, error) in answer["packages"].items():
+    for package, found in answer["packages"].items():
         needed = requirements[package]
-        problem = surroundings.package_problem(package, needed, found, error, answer["executable"])
-        yield _judged(problem, f"it has {package} {found}, and {needed} or newer is needed")
+        problem = surroundings.package_problem(package, needed, found, answer["executable"])
+        yield _judged(problem, f"it has {package} {found[0]}, and {needed} or newer is needed")
     yield from _libpython(answer["library"])
 
 

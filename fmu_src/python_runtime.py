@@ -39,17 +39,12 @@ _SLAVE_FILES = {
 _LAUNCHERS = {"linux64": "psp_launcher.so", "win64": "psp_launcher.dll"}
 _OWN_IMPORT = re.compile(r"^(\s*(?:from|import) )(psp_model|fmu_src|pythonfmu)\b", re.MULTILINE)
 
-# pythonfmu runs this script once more for every instance, and each time gives back a reference to the script's globals
-# that it does not own; without one to spare they would be freed under its feet.
 _SCRIPT = '''"""Where pythonfmu finds the slave."""
 
-import ctypes
-
-from fmu_src_{suffix}.surroundings import load
+from fmu_src_{suffix}.surroundings import keep, load
 
 {name} = load("fmu_src_{suffix}.{module}", "{name}", "{numpy}")
-
-ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
+keep(globals())
 '''
 
 

@@ -48,35 +48,36 @@ def _first_number(version: str) -> int:
     return int(found.group()) if found else 0
 
 
-def package_problem(package: str, needed: str, found: str, error: str, executable: str) -> str | None:
+def package_problem(package: str, needed: str, found: Sequence[str], executable: str) -> str | None:
     """What is wrong with a package, None if nothing is.
 
     Parameters
     ----------
     package : its name
     needed : the oldest version that will do
-    found : its version, empty if it is not installed
-    error : why it cannot be imported, empty if it can
+    found : from `look_at`
     executable : the Python that was asked
     """
+    version, place, error = found
+    has = f"the Python {executable} has {package} {version}" + (f" (in {place})" if place else "")
     install = f"run {executable} -m pip install '{package}>={needed}'"
-    if not found and not error:
+    if not version and not error:
         return f"the Python {executable} has no {package}, and {needed} or newer is needed: {install}, {REMEDY}"
-    if found and _first_number(found) < _first_number(needed):
-        return f"the Python {executable} has {package} {found}, and {needed} or newer is needed: {install}, {REMEDY}"
+    if version and _first_number(version) < _first_number(needed):
+        return f"{has}, and {needed} or newer is needed: {install}, {REMEDY}"
     if NOEXEC in error:
         return (
-            f"the Python {executable} cannot load {package} {found} ({error}), because its folder is on a file system "
-            f"mounted noexec: install it on another one, {REMEDY}"
+            f"{has} and cannot load it ({error}), because its folder is on a file system mounted noexec: install it on "
+            f"another one, {REMEDY}"
         )
     if error:
         again = f"{executable} -m pip install --force-reinstall '{package}>={needed}'"
-        return f"the Python {executable} has {package} {found} and cannot import it ({error}): run {again}, {REMEDY}"
+        return f"{has} and cannot import it ({error}): run {again}, {REMEDY}"
     return None
 
 
-def look_at(package: str) -> tuple[str, str]:
-    """A package's version, empty if it is not installed, and why it cannot be imported, empty if it can.
+def look_at(package: str) -> tuple[str, str, str]:
+    """A package's version, empty if it is not installed, its folder, and why it cannot be imported, empty if it can.
 
     Parameters
     ----------
@@ -85,13 +86,11 @@ def look_at(package: str) -> tuple[str, str]:
     try:
         module = import_module(package)
     except ModuleNotFoundError as error:
-        return "", "" if error.name == package else one_line(error)
+        return ("", "", "") if error.name == package else (_installed(package), "", one_line(error))
     except Exception as error:  # a package of another build raises whatever it likes
-        return _installed(package), one_line(error)
-    version = getattr(module, "__version__", None)
-    if version is None:  # a folder of that name, which an uninstallation left
-        return _installed(package), ""
-    return str(version), ""
+        return _installed(package), "", one_line(error)
+    version = getattr(module, "__version__", "")  # not in a folder of that name, which an uninstallation left
+    return str(version), os.path.dirname(getattr(module, "__file__", None) or ""), ""
 
 
 def _installed(package: str) -> str:
@@ -115,7 +114,7 @@ def one_line(error: BaseException) -> str:
 
 
 def load(module: str, name: str, numpy: str) -> Any:
-    """The class of the slave, imported without leaving traces in its folder.
+    """The class of the slave.
 
     Parameters
     ----------
@@ -127,12 +126,13 @@ def load(module: str, name: str, numpy: str) -> Any:
     ------
     Unsuitable : where this Python cannot run it
     """
-    executable = sys.executable or "in this process"
+    executable = sys.executable or os.path.join(
+        sys.prefix, "bin", "python3"
+    )  # in a host that has started Python itself
     problem = python_problem(executable, sys.version_info[:3], 64 if sys.maxsize > 2**32 else 32)
-    problem = problem or package_problem("numpy", numpy, *look_at("numpy"), executable)
+    problem = problem or package_problem("numpy", numpy, look_at("numpy"), executable)
     if problem:
         raise Unsuitable(problem)
-    writes, sys.dont_write_bytecode = sys.dont_write_bytecode, True  # an FMU's folder may be somebody else's
     try:
         return getattr(import_module(module), name)
     except Exception as error:
@@ -140,8 +140,30 @@ def load(module: str, name: str, numpy: str) -> Any:
             f"the Python part of this FMU cannot be imported by the Python {executable} ({one_line(error)}): extract "
             f"the whole FMU again, {REMEDY}"
         ) from error
-    finally:
-        sys.dont_write_bytecode = writes
+
+
+def keep(script: dict[str, Any]) -> None:
+    """Add a reference to the globals of the script in which pythonfmu looks for the slave.
+
+    pythonfmu runs that script once more for every instance, and each time gives back a reference that it does not own;
+    without one to spare the globals would be freed under its feet.
+
+    Parameters
+    ----------
+    script : its globals
+
+    Raises
+    ------
+    Unsuitable : where this Python cannot do that
+    """
+    try:
+        import ctypes
+    except ImportError as error:
+        raise Unsuitable(
+            f"the Python {sys.executable} was built without ctypes ({one_line(error)}): install libffi and build it "
+            f"again, use another one, {REMEDY}"
+        ) from error
+    ctypes.pythonapi.Py_IncRef(ctypes.py_object(script))
 
 
 def main(packages: Sequence[str]) -> None:
@@ -165,7 +187,7 @@ def main(packages: Sequence[str]) -> None:
         "version": list(sys.version_info[:3]),
         "bits": 64 if sys.maxsize > 2**32 else 32,
         "library": next(filter(os.path.isfile, there), None),
-        "packages": {name: look_at(name) if name in known else (_installed(name), "") for name in packages},
+        "packages": {name: look_at(name) if name in known else (_installed(name), "", "") for name in packages},
     }
     os.write(1, ("\npsp-doctor:" + json.dumps(answer) + "\n").encode("ascii"))
 

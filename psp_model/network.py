@@ -39,7 +39,10 @@ def import_onnxruntime() -> Any:
         _ = onnxruntime.InferenceSession, onnxruntime.SessionOptions  # which a folder left of it lacks
     except Exception as error:  # of another build, it raises whatever it likes
         why = " ".join(f"{type(error).__name__}: {error}".split())[:300]
-        raise ModelError("onnxruntime", sys.executable, why, sys.executable) from None
+        python = sys.executable or os.path.join(
+            sys.prefix, "bin", "python3"
+        )  # in a host that has started Python itself
+        raise ModelError("onnxruntime", python, why, python) from None
     return onnxruntime
 
 

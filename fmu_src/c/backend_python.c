@@ -35,6 +35,7 @@ struct Backend {
     fmi2Component component;
     fmi2CallbackFunctions callbacks; /* pythonfmu keeps a pointer to it */
     void (*let_go)(void);            /* see LET_GO; NULL if the library has no such function */
+    void *generation;                /* of Python, see python_host.h */
     bool explained;                  /* the slave has said what is missing */
     bool dead;                       /* pythonfmu failed fatally, or Python has ended */
 };
@@ -205,6 +206,7 @@ Backend *backend_new(Front *front, const char *guid, const char *resources, bool
         front_fail(front, "the Python in this process has ended, or lacks functions of Python's stable interface: keep it "
                           "running for as long as there are instances, or use the native FMU");
     } else {
+        model->generation = python_generation();
         instantiate(model, guid, resources, visible);
         python_leave(&call, !model->component);
     }
@@ -213,10 +215,19 @@ Backend *backend_new(Front *front, const char *guid, const char *resources, bool
     return NULL;
 }
 
+/* Enters Python; false if it is not the one any more in which the slave was made, of which nothing may be touched. */
+static bool enter(Backend *model, PythonCall *call, bool look)
+{
+    if (model->dead || !python_enter(call, look)) return false;
+    if (python_generation() == model->generation) return true;
+    python_leave(call, false);
+    return false;
+}
+
 void backend_free(Backend *model)
 {
     PythonCall call;
-    if (!model->dead && python_enter(&call, false)) { /* Python's end has freed what was Python's */
+    if (enter(model, &call, false)) {
         model->FreeInstance(model->component);
         python_leave(&call, false);
     }
@@ -226,11 +237,11 @@ void backend_free(Backend *model)
 /* Begins a call into pythonfmu; after a fatal error, and after Python's end, nothing is forwarded any more. */
 static bool begin(Backend *model, PythonCall *call, bool look)
 {
-    if (model->dead) return false;
-    if (python_enter(call, look)) return true;
+    if (enter(model, call, look)) return true;
+    if (!model->dead)
+        front_log(model->front, fmi2Fatal, "Python has ended in this process, and with it this instance: free the "
+                                           "instances before Python ends, or use the native FMU");
     model->dead = true;
-    front_log(model->front, fmi2Fatal, "Python has ended in this process, and with it this instance: free the instances "
-                                       "before Python ends, or use the native FMU");
     return false;
 }
 
@@ -267,7 +278,7 @@ fmi2Status backend_reset(Backend *model) { FORWARD(true, model->Reset(model->com
 
 static fmi2Status do_step(Backend *model, double from, double size)
 {
-    FORWARD(false, model->DoStep(model->component, from, size, fmi2False));
+    FORWARD(true, model->DoStep(model->component, from, size, fmi2False));
 }
 
 fmi2Status backend_do_step(Backend *model, double from, double size)
@@ -311,7 +322,7 @@ fmi2Status backend_set_state(Backend *model, void *state) { FORWARD(false, model
 void backend_free_state(Backend *model, void *state)
 {
     PythonCall call;
-    if (model->dead || !python_enter(&call, false)) return;
+    if (!enter(model, &call, false)) return;
     model->FreeFMUstate(model->component, &state);
     python_leave(&call, false);
 }

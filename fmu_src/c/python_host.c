@@ -13,7 +13,8 @@
 #include <dlfcn.h>
 #endif
 
-#define PSP_INTERRUPTION "_psp_interruption" /* attribute of sys */
+#define PSP_INTERRUPTION "_psp_interruption" /* attributes of sys */
+#define PSP_GENERATION "_psp_generation"
 
 typedef void *Object;
 
@@ -108,13 +109,17 @@ static bool is_note(const Handler *handler) { return *handler == note; }
 /* Whether Python would handle the signal: its handler lies in the library that Python's other functions lie in. */
 static bool pythons(int number)
 {
+    static void (*known)(int) = NULL; /* Python has one handler for all signals */
     struct sigaction action;
     Dl_info python, of_handler;
     void *address, *function;
     if (sigaction(number, NULL, &action) || action.sa_handler == SIG_DFL || action.sa_handler == SIG_IGN) return false;
+    if (action.sa_handler == note || action.sa_handler == known) return true;
     memcpy(&address, &action.sa_handler, sizeof address);
     memcpy(&function, &py.Py_IsInitialized, sizeof function);
-    return dladdr(function, &python) && dladdr(address, &of_handler) && python.dli_fbase == of_handler.dli_fbase;
+    if (!dladdr(function, &python) || !dladdr(address, &of_handler) || python.dli_fbase != of_handler.dli_fbase) return false;
+    known = action.sa_handler;
+    return true;
 }
 
 static Handler put(int number, const Handler *handler)
@@ -144,8 +149,8 @@ static void look_at_signals(void)
     unsigned found = 0;
     for (int k = 0; k < SIGNAL_COUNT; k++)
         if (pythons(SIGNALS[k])) found |= 1u << k;
-    if (found) main_thread = find_main_thread();
-    if (found || !handled) handled = found;
+    if (found && !main_thread) main_thread = find_main_thread();
+    handled = found;
 }
 
 static void hold_signals(PythonCall *call)
@@ -243,6 +248,15 @@ void python_remember(const char *name, void *pointer)
     if (number) py.PySys_SetObject(name, number);
     py.PyErr_Clear();
     py.Py_DecRef(number);
+}
+
+void *python_generation(void)
+{
+    void *number = python_recall(PSP_GENERATION);
+    if (number) return number;
+    number = malloc(1); /* never given back, so that no later one is the same */
+    python_remember(PSP_GENERATION, number);
+    return number;
 }
 
 void python_forget_path(const char *path)

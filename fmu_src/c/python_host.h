@@ -20,7 +20,7 @@ typedef struct {
 bool python_functions(void);
 
 /* False if Python has ended, or is about to: nothing of it may be touched any more.
- * `look`: find out anew which signals the host handles in Python; for calls that are not made in every step. */
+ * `look`: find out anew which signals the host handles in Python; for calls that take long enough anyway. */
 bool python_enter(PythonCall *call, bool look);
 
 /* `failed`: the slave reported a failure, which may be an exception that belongs to the host. */
@@ -31,6 +31,9 @@ void python_leave(PythonCall *call, bool failed);
 /* A pointer that is kept under a name for as long as Python runs, by all launchers in the process; NULL if there is none. */
 void *python_recall(const char *name);
 void python_remember(const char *name, void *pointer);
+
+/* A number that is another one once Python has ended and was started anew: what was made before must not be touched. */
+void *python_generation(void);
 
 /* Takes one entry of that path out of sys.path again. */
 void python_forget_path(const char *path);
