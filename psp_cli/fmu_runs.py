@@ -6,7 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
+from tempfile import gettempdir
 from typing import Any
+
+from fmu_src.surroundings import NOEXEC
 
 from .bad_input import BadInput
 from .options import require_countable
@@ -135,11 +138,21 @@ def run_fmu(fmu: Path, description: Any, scenario: Scenario, values: Mapping[str
         )
     except Exception as error:  # fmpy's own exceptions say which call failed; the FMU's sentence says why
         sentences = [message for status, message in log if status >= _ERROR]
-        raise BadInput(sentences[-1] if sentences else f"{fmu} failed: {error}") from None
+        raise BadInput(sentences[-1] if sentences else _of_the_host(fmu, error)) from None
     return FmuRun(result, tuple(message for status, message in log if status == _WARNING))
 
 
 _WARNING, _ERROR = 1, 3  # fmi2Status
+
+
+def _of_the_host(fmu: Path, error: Exception) -> str:
+    """What fmpy says against an FMU that says nothing itself."""
+    if NOEXEC not in str(error):
+        return f"{fmu} failed: {error}"
+    return (
+        f"{fmu} was extracted to {gettempdir()}, and its library cannot be loaded from there, because that file system "
+        "is mounted noexec: set TMPDIR to a folder on another one"
+    )
 
 
 def _start(description: Any, name: str) -> Any:

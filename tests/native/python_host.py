@@ -1,4 +1,4 @@
-"""Hosts in Python, each for a process of its own: python python_host.py NAME ARGUMENT...   prints JSON."""
+"""Hosts in Python, each for a process of its own: python -m native.python_host NAME ARGUMENT...   prints JSON."""
 
 from __future__ import annotations
 
@@ -12,8 +12,6 @@ import threading
 import time
 from ctypes import byref, c_double, c_uint
 from pathlib import Path
-
-sys.path[:0] = [str(Path(__file__).parents[1]), str(Path(__file__).parents[2])]
 
 from fmpy import read_model_description, simulate_fmu
 
@@ -50,7 +48,7 @@ class Alarm(Exception):
 
 
 def interrupted(archive: str, folder: str, steps: str, name: str) -> object:
-    """Step while a signal comes every other moment ('' for none), going on from the time at which the FMU is."""
+    """Step while a signal comes every other moment ('' for none), going on from where the FMU is."""
     fmu = Unpacked(Path(archive), Path(folder))
     instance = Instance(fmu)
     assert instance.initialise() == OK
@@ -90,7 +88,7 @@ def _shoot(number: int, calm: threading.Event, over: threading.Event) -> None:
 
 
 def _go_on(instance: Instance, steps: int) -> None:
-    """Step and read from the time that the FMU has reached: the host may have been interrupted before it could count."""
+    """Step and read from the time that the FMU has reached: the host may have been interrupted before it counted."""
     dll, component, reached = instance.slave.dll, instance.slave.component, c_double()
     fmu = instance.fmu
     references = [fmu.reference[v.name] for v in fmu.description.modelVariables if v.causality == "output"]

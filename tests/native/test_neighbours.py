@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import sys
 import sysconfig
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,10 +21,11 @@ from native.hosting import host_arguments
 HERE = Path(__file__).parent
 
 
-def _host(*arguments: object) -> object:
+def _host(*arguments: object) -> Any:
     """What a host of `python_host.py` puts out."""
-    command = [sys.executable, str(HERE / "python_host.py"), *map(str, arguments)]
-    ran = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
+    command = [sys.executable, "-m", "native.python_host", *map(str, arguments)]
+    environment = os.environ | {"PYTHONPATH": f"{HERE.parent}{os.pathsep}{HERE.parents[1]}"}
+    ran = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=300)
     assert ran.returncode == 0, ran.stderr[-2000:]
     return json.loads(ran.stdout.splitlines()[-1])
 
