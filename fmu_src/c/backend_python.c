@@ -13,13 +13,7 @@
 #include "library.h"
 #include "python_host.h"
 #include "python_library.h"
-
-#ifdef _WIN32
-#include <windows.h>
-#define EXPORT_LIBRARY "/binaries/win64/pythonfmu-export.dll"
-#else
-#define EXPORT_LIBRARY "/binaries/linux64/libpythonfmu-export.so"
-#endif
+#include "python_resources.h"
 
 #define FUNCTIONS(X)                                                                                                   \
     X(Instantiate) X(FreeInstance) X(SetupExperiment) X(EnterInitializationMode) X(ExitInitializationMode)             \
@@ -44,7 +38,6 @@ struct Backend {
 #define FATAL_TEXT "Fatal py exception encountered: "
 #define SENTENCE "\npsp: "
 
-
 /* What pythonfmu logs is text, not a format. */
 static void receive_message(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
                             fmi2String message, ...)
@@ -59,68 +52,10 @@ static void receive_message(fmi2ComponentEnvironment environment, fmi2String nam
     front_log(model->front, sentence ? fmi2Error : status, "%s", sentence ? sentence + strlen(SENTENCE) : message);
 }
 
-static FILE *open_resource(const char *resources, const char *name, const char *ending)
-{
-    char path[2048];
-    const int length = snprintf(path, sizeof path, "%s/%s%s", resources, name, ending);
-    return length > 0 && length < (int)sizeof path ? fopen(path, "r") : NULL;
-}
-
-/* The first line of a file in resources, "" if there is none. */
-static const char *first_line(const char *resources, const char *name, char *buffer, size_t size)
-{
-    FILE *stream = resources ? open_resource(resources, name, "") : NULL;
-    buffer[0] = '\0';
-    if (stream) {
-        if (fgets(buffer, (int)size, stream)) buffer[strcspn(buffer, "\r\n")] = '\0';
-        fclose(stream);
-    }
-    return buffer;
-}
-
-/* A path that pythonfmu, which knows no Unicode on Windows, can open too: the short form of one that is not ASCII. */
-static const char *openable(const char *resources, char *buffer, size_t size)
-{
-#ifdef _WIN32
-    wchar_t wide[1024], brief[1024];
-    bool ascii = true;
-    for (const char *c = resources; *c; c++) ascii = ascii && (unsigned char)*c < 128;
-    if (!ascii && MultiByteToWideChar(CP_UTF8, 0, resources, -1, wide, 1024) && GetShortPathNameW(wide, brief, 1024) &&
-        WideCharToMultiByte(CP_UTF8, 0, brief, -1, buffer, (int)size, NULL, NULL))
-        return buffer;
-#endif
-    (void)buffer, (void)size;
-    return resources;
-}
-
 const char *backend_guid(const char *resources, char *buffer, size_t size)
 {
     char path[2048];
     return first_line(resources ? openable(resources, path, sizeof path) : NULL, "guid.txt", buffer, size);
-}
-
-/* pythonfmu crashes on resources that it cannot read: true if it can. */
-static bool readable(Front *front, const char *resources)
-{
-    char module[256];
-    if (!resources) {
-        front_fail(front, "fmi2Instantiate was called without a resource location: pass the URI of the FMU's resources");
-        return false;
-    }
-    if (strstr(resources, "%20") || strstr(resources, "file://")) { /* pythonfmu would replace them */
-        front_fail(front, "the FMU's resources lie in %s, and pythonfmu cannot open a path with '%%20' in it: extract the "
-                          "FMU into another folder", resources);
-        return false;
-    }
-    first_line(resources, "slavemodule.txt", module, sizeof module);
-    FILE *stream = module[0] ? open_resource(resources, module, ".py") : NULL;
-    if (!stream) {
-        front_fail(front, "the FMU's resources cannot be read in %s: extract the whole FMU and pass the URI of its folder "
-                          "'resources'", resources);
-        return false;
-    }
-    fclose(stream);
-    return true;
 }
 
 /* pythonfmu's library lets go of the same shared pointer twice when a process on Linux ends, and writes into freed memory:
@@ -128,50 +63,14 @@ static bool readable(Front *front, const char *resources)
  * instance, because Python is not started by pythonfmu: the pointer is let go of at once. */
 #define LET_GO "finalizePythonInterpreter"
 
-/* Hash of a file's content; 0 if it cannot be read. */
-static uint64_t hash_of(const char *path)
-{
-    uint64_t hash = 0;
-    FILE *stream = fopen(path, "rb");
-    long size = stream && fseek(stream, 0, SEEK_END) == 0 ? ftell(stream) : 0;
-    char *bytes = size > 0 ? malloc((size_t)size) : NULL;
-    if (bytes && fseek(stream, 0, SEEK_SET) == 0 && fread(bytes, 1, (size_t)size, stream) == (size_t)size)
-        hash = front_hash(bytes, (size_t)size);
-    free(bytes);
-    if (stream) fclose(stream);
-    return hash;
-}
-
-/* pythonfmu's library of this FMU, which stays loaded for good.  Every archive that is extracted brings a copy of its own:
- * one of those that are alike is loaded. */
-static void *open_pythonfmu(Front *front, const char *path)
-{
-    char name[64], why[512];
-    const uint64_t hash = hash_of(path);
-    snprintf(name, sizeof name, "_psp_pythonfmu_%08lx%08lx", (unsigned long)(hash >> 32), (unsigned long)(hash & 0xffffffff));
-    void *library = hash ? python_recall(name) : NULL;
-    if (library) return library;
-    library = library_open(path, false);
-    if (library && hash) python_remember(name, library);
-    if (library) return library;
-    library_error(why, sizeof why);
-    front_fail(front, "%s cannot be loaded (%s): %s", path, why,
-               strstr(why, "map segment") ? "its folder allows no programs (mounted noexec), let the host extract FMUs into "
-                                            "another one, TMPDIR"
-                                          : "extract the whole FMU, and install what this message names");
-    return NULL;
-}
-
 static bool load_pythonfmu(Backend *model, const char *resources)
 {
-    char path[2048];
-    snprintf(path, sizeof path, "%s%s", resources, EXPORT_LIBRARY);
-    void *library = open_pythonfmu(model->front, path);
+    void *library = open_pythonfmu(model->front, resources);
     bool found = library != NULL;
 #define X(name) found = found && library_function(library, "fmi2" #name, &model->name);
     FUNCTIONS(X)
 #undef X
-    if (library && !found) front_fail(model->front, "%s is not pythonfmu's library: extract the whole FMU", path);
+    if (library && !found) front_fail(model->front, "the library in %s is not pythonfmu's: extract the whole FMU", resources);
     if (!library || !library_function(library, LET_GO, &model->let_go)) model->let_go = NULL;
     return found;
 }

@@ -12,7 +12,7 @@ from ..native.compile import ENDINGS, FRONT, SOURCES, compile_library
 
 BINARIES = Path(__file__).parent / "binaries"
 PLATFORMS = ("linux64", "win64")  # those that pythonfmu has libraries for
-_OWN = ("python_library", "python_question", "python_host", "library")
+_OWN = ("python_library", "python_question", "python_host", "python_resources", "library")
 _FILES = (*FRONT, "backend_python.c", *(f"{name}.{ending}" for name in _OWN for ending in "ch"))
 
 
