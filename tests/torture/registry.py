@@ -74,7 +74,7 @@ TRIALS = (
     ),
     Trial(
         "many-loads",
-        "an archive extracted, loaded, run and unloaded over and over in one process: nothing stays mapped or in sys.path",
+        "an archive extracted, loaded, run, unloaded over and over in one process: nothing stays mapped or in sys.path",
         many_loads.run,
         chunks=2,
         count=10_000,
