@@ -10,6 +10,7 @@ from tempfile import gettempdir
 from typing import Any
 
 from fmu_src.surroundings import NOEXEC
+from psp_model.errors import parts_of
 
 from .bad_input import BadInput
 from .options import require_countable
@@ -138,7 +139,8 @@ def run_fmu(fmu: Path, description: Any, scenario: Scenario, values: Mapping[str
         )
     except Exception as error:  # fmpy's own exceptions say which call failed; the FMU's sentence says why
         sentences = [message for status, message in log if status >= _ERROR]
-        raise BadInput(sentences[-1] if sentences else _of_the_host(fmu, error)) from None
+        problem, remedy = parts_of(sentences[-1] if sentences else _of_the_host(fmu, error))
+        raise BadInput(problem, remedy) from None
     return FmuRun(result, tuple(message for status, message in log if status == _WARNING))
 
 
