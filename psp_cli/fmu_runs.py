@@ -172,3 +172,16 @@ def listing(description: Any) -> str:
     rows += [[v.name, str(v.start), v.unit or "1", v.description] for v in parameters_of(description)]
     width = [max(len(row[i]) for row in rows) for i in range(3)]
     return "\n".join(f"{a:<{width[0]}}  {b:>{width[1]}}  {c:<{width[2]}}  {d}" for a, b, c, d in rows)
+
+
+def as_dict(description: Any) -> list[dict[str, Any]]:
+    """The same for JSON.
+
+    Parameters
+    ----------
+    description : from `inspect`
+    """
+    return [
+        {"name": v.name, "start": float(v.start), "unit": v.unit or "1", "meaning": v.description}
+        for v in parameters_of(description)
+    ]

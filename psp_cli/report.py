@@ -9,6 +9,8 @@ import typer
 
 from .compare import cases_of
 from .options import Duration, Network, ScenarioFile, Seed, Set, Vehicles, command_line, gather, network_file
+from .output import say
+from .pictures import FILMS, PAGES, require_ending
 
 if TYPE_CHECKING:
     from psp_view.cases import Case
@@ -31,15 +33,17 @@ def report(
 
     The runs are those of `psp compare`, or those that a scenario file names.
     """
+    require_ending(output, PAGES, "--output")
+    require_ending(animate, FILMS, "--animate")
+    wanted = gather(vehicles, scenario, assignments, seed, duration)
     from psp_view.report import write_report
 
-    wanted = gather(vehicles, scenario, assignments, seed, duration)
     cases = cases_of(wanted, network)
     write_report(cases, output, command_line(), network_file(wanted.vehicles, network), title)
-    typer.echo(f"{output}: {output.stat().st_size / 1e6:.1f} MB")
+    say(f"{output}: {output.stat().st_size / 1e6:.1f} MB")
     if animate is not None:
         _film(cases, animate)
-        typer.echo(animate)
+        say(animate)
 
 
 def _film(cases: list[Case], path: Path) -> None:

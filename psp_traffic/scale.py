@@ -83,7 +83,7 @@ def cost(platoons: int, steps: int, driver: Driver, *, exchange: bool = False, s
     with TemporaryDirectory() as name:
         folder = Path(name)
         vehicles = write_vehicles(folder, scenario, driver)
-        with running_sumo(write_road(folder), vehicles, step, 1, False) as sumo:
+        with running_sumo(write_road(folder, scenario), vehicles, step, 1, False) as sumo:
             sumo.simulationStep()
             names = [str(i) for i in range(scenario.v.size)]
             for one in names:
