@@ -117,7 +117,9 @@ def run_fmu(fmu: Path, description: Any, scenario: Scenario, values: Mapping[str
     ------
     BadInput : with the sentence that the FMU logged where it refused
     """
-    from fmpy import simulate_fmu
+    from tempfile import TemporaryDirectory
+
+    from fmpy import extract, simulate_fmu
 
     log: list[tuple[int, str]] = []
 
@@ -129,14 +131,15 @@ def run_fmu(fmu: Path, description: Any, scenario: Scenario, values: Mapping[str
     step = scenario.step or values.get("T") or float(_start(description, "T"))
     require_countable(replace(scenario, step=step))
     try:
-        result = simulate_fmu(
-            str(fmu),
-            start_values=start_values,
-            stop_time=scenario.duration,
-            step_size=step,
-            output_interval=step,
-            logger=logger,
-        )
+        with TemporaryDirectory() as folder:
+            result = simulate_fmu(
+                extract(str(fmu), folder),
+                start_values=start_values,
+                stop_time=scenario.duration,
+                step_size=step,
+                output_interval=step,
+                logger=logger,
+            )
     except Exception as error:  # fmpy's own exceptions say which call failed; the FMU's sentence says why
         sentences = [message for status, message in log if status >= _ERROR]
         problem, remedy = parts_of(sentences[-1] if sentences else _of_the_host(fmu, error))

@@ -9,17 +9,21 @@ slow import.
 
 from __future__ import annotations
 
+import _thread
+import gc  # here: where a thread holds a lock of the import system, another one cannot import any more
 import os
 import signal
 import sys
-import threading
 import time
-from collections.abc import Callable
-from contextlib import suppress
-from types import FrameType
-from typing import NoReturn
+
+TYPE_CHECKING = False  # typing takes a while to import
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import FrameType
+    from typing import NoReturn
 
 CODE = 130  # 128 + SIGINT, as shells have it
+_PATIENCE = 0.4  # [s] with children that are asked to end, and with those that are killed
 
 
 class _Interruption:
@@ -29,16 +33,18 @@ class _Interruption:
     ----------
     program : whose sentence it is
     go_on : gives the command that goes on where this one stopped, None where there is none
-    clean_ups : to be called before the end
-    ending : taken by the thread that ends the process
+    all_groups : whether children in process groups of their own end too
+    threads : the one that ends the process, under "ends"
+    stderr : descriptor of stderr, once descriptor 2 has been silenced
     process : the number of the program's process
     """
 
     def __init__(self) -> None:
         self.program = "psp"
         self.go_on: Callable[[], str | None] = lambda: None
-        self.clean_ups: list[Callable[[], object]] = []
-        self.ending = threading.Lock()
+        self.all_groups = False
+        self.threads: dict[str, int] = {}
+        self.stderr: int | None = None
         self.process = 0
 
 
@@ -64,42 +70,33 @@ def sentence() -> str:
     return f"{_NOW.program}: interrupted" + (f": `{command}` goes on from here" if command else "")
 
 
-def install(program: str) -> None:
+def install(program: str, all_groups: bool = False) -> None:
     """Watch for Ctrl-C from now on; nothing is done where the process was started to ignore it.
 
     Parameters
     ----------
     program : whose name the sentence begins with
+    all_groups : end children in process groups of their own too
     """
-    _NOW.program, _NOW.process = program, os.getpid()
+    _NOW.program, _NOW.process, _NOW.all_groups = program, os.getpid(), all_groups
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         return
     signal.signal(signal.SIGINT, _handle)
     read, write = os.pipe()
     os.set_blocking(write, False)
     signal.set_wakeup_fd(write, warn_on_full_buffer=False)
-    threading.Thread(target=_watch, args=(read,), daemon=True, name="interrupt").start()
+    _thread.start_new_thread(_watch, (read,))
 
 
-def before_the_end(clean_up: Callable[[], object]) -> None:
-    """Have something done when Ctrl-C is pressed, besides what is done for every program.
-
-    Parameters
-    ----------
-    clean_up : quick, and free of locks and imports
-    """
-    _NOW.clean_ups.append(clean_up)
-
-
-def run(program: str, main: Callable[[], object]) -> NoReturn:
+def run(program: str, main: Callable[[], object], all_groups: bool = False) -> NoReturn:
     """Run a program to its end, or to Ctrl-C.
 
     Parameters
     ----------
-    program : its name, for the sentence
+    program, all_groups : as for `install`
     main : returns the exit code, or raises SystemExit
     """
-    install(program)
+    install(program, all_groups)
     try:
         sys.exit(main())  # type: ignore[arg-type]
     finally:
@@ -108,7 +105,8 @@ def run(program: str, main: Callable[[], object]) -> NoReturn:
 
 
 def _handle(_signal: int, _frame: FrameType | None) -> None:
-    _end()
+    if _NOW.threads.get("ends") != _thread.get_ident():  # pressed once more, while this thread is at it
+        _end()
 
 
 def _watch(pipe: int) -> None:
@@ -122,61 +120,77 @@ def _end() -> NoReturn:
     """Clean up, say so, and leave without waiting for anybody."""
     if os.getpid() != _NOW.process:  # a fork of the program, which says it
         os._exit(CODE)
-    if not _NOW.ending.acquire(blocking=False):
-        while True:  # the other thread is at it
-            time.sleep(1.0)
+    own = _NOW.threads.setdefault("ends", _thread.get_ident()) == _thread.get_ident()
     try:
+        if not own:  # the other thread is at it, and has this long
+            time.sleep(2 * _PATIENCE + 0.7)
         stderr = _silence()
-        for step in (*_NOW.clean_ups, _end_children, _remove_files):
-            with suppress(Exception):
-                step()
+        for step in (_end_children, _remove_files) if own else ():
+            _try(step)
         terminal = os.isatty(stderr)  # a progress bar has hidden the cursor, and the line holds ^C
         os.write(stderr, (("\033[?25h\n" if terminal else "") + sentence() + "\n").encode())
     finally:
         os._exit(CODE)
 
 
+def _try(action: Callable[..., object], *arguments: object) -> None:
+    """Do something that may fail: the rest is to be done all the same."""
+    try:
+        action(*arguments)
+    except Exception:
+        return
+
+
 def _silence() -> int:
     """Let neither threads nor children say anything more on stderr; a descriptor for what is left to say."""
+    if _NOW.stderr is not None:
+        return _NOW.stderr
     try:
         kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, 2)
     except OSError:  # stderr is closed
-        return 2
+        kept = 2
+    _NOW.stderr = kept
     return kept
 
 
 def _end_children() -> None:
-    """Kill the processes that were started here and are in the terminal's group, with theirs (where /proc tells)."""
+    """End the processes that were started here, with theirs, and see them dead: they write to files and to stderr."""
+    begun = time.monotonic()
+    while (alive := _children()) and (passed := time.monotonic() - begun) < 2 * _PATIENCE:
+        for process in alive:
+            _try(os.kill, process, signal.SIGINT if passed < _PATIENCE else signal.SIGKILL)
+        time.sleep(0.02)
+
+
+def _children() -> set[int]:
+    """Processes below this one, where /proc tells; a browser is in a group of its own, and stays."""
+    if not os.path.isdir("/proc/self"):
+        return set()
     parents: dict[int, int] = {}
-    group = os.getpgrp() if hasattr(os, "getpgrp") else 0
-    for name in os.listdir("/proc") if os.path.isdir("/proc/self") else []:
+    ended = set()
+    for name in filter(str.isdecimal, os.listdir("/proc")):
         try:
-            with open(f"/proc/{name}/stat") as file:
-                parent, of_group = map(int, file.read().rpartition(")")[2].split()[1:3])
-        except (OSError, ValueError):  # not a process, or gone
+            with open(f"/proc/{name}/stat", encoding="utf-8", errors="replace") as file:
+                state, parent, group = file.read().rpartition(")")[2].split()[:3]
+        except (OSError, ValueError):  # it has ended
             continue
-        if of_group == group:
-            parents[int(name)] = parent
+        if _NOW.all_groups or int(group) == os.getpgrp():
+            parents[int(name)] = int(parent)
+            ended |= {int(name)} if state in "ZX" else set()
     ours = {os.getpid()}
     while more := {child for child, parent in parents.items() if parent in ours} - ours:
         ours |= more
-    for process in ours - {os.getpid()}:
-        with suppress(OSError):
-            os.kill(process, signal.SIGKILL)
+    return ours - {os.getpid()} - ended
 
 
 def _remove_files() -> None:
     """Remove files that are half written, and temporary folders."""
-    import gc
-
     unfinished = sys.modules.get("psp_model.whole_file")
     for path in list(getattr(unfinished, "UNFINISHED", ())):
-        with suppress(OSError):
-            os.unlink(path)
+        _try(os.unlink, path)
     tempfile = sys.modules.get("tempfile")
     kind = getattr(tempfile, "TemporaryDirectory", None)
     for thing in gc.get_objects() if kind else []:
         if type(thing) is kind:
-            with suppress(Exception):
-                thing.cleanup()
+            _try(thing.cleanup)
