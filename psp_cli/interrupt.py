@@ -19,6 +19,7 @@ import time
 TYPE_CHECKING = False  # typing takes a while to import
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from tempfile import TemporaryDirectory
     from types import FrameType
     from typing import NoReturn
 
@@ -34,6 +35,7 @@ class _Interruption:
     program : whose sentence it is
     go_on : gives the command that goes on where this one stopped, None where there is none
     all_groups : whether children in process groups of their own end too
+    others : temporary folders from before, which are somebody else's
     threads : the one that ends the process, under "ends"
     stderr : descriptor of stderr, once descriptor 2 has been silenced
     process : the number of the program's process
@@ -43,6 +45,7 @@ class _Interruption:
         self.program = "psp"
         self.go_on: Callable[[], str | None] = lambda: None
         self.all_groups = False
+        self.others: list[TemporaryDirectory[str]] = []
         self.threads: dict[str, int] = {}
         self.stderr: int | None = None
         self.process = 0
@@ -82,6 +85,7 @@ def install(program: str, all_groups: bool = False) -> None:
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         return
     signal.signal(signal.SIGINT, _handle)
+    _NOW.others = _temporary_folders()
     read, write = os.pipe()
     os.set_blocking(write, False)
     signal.set_wakeup_fd(write, warn_on_full_buffer=False)
@@ -189,8 +193,12 @@ def _remove_files() -> None:
     unfinished = sys.modules.get("psp_model.whole_file")
     for path in list(getattr(unfinished, "UNFINISHED", ())):
         _try(os.unlink, path)
-    tempfile = sys.modules.get("tempfile")
-    kind = getattr(tempfile, "TemporaryDirectory", None)
-    for thing in gc.get_objects() if kind else []:
-        if type(thing) is kind:
-            _try(thing.cleanup)
+    for folder in _temporary_folders():
+        if not any(folder is other for other in _NOW.others):
+            _try(folder.cleanup)
+
+
+def _temporary_folders() -> list[TemporaryDirectory[str]]:
+    """All that there are in this process."""
+    kind = getattr(sys.modules.get("tempfile"), "TemporaryDirectory", None)
+    return [thing for thing in gc.get_objects() if type(thing) is kind] if kind else []

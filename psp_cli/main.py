@@ -45,6 +45,7 @@ class Commands(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was asked for."""
+        interrupt.can_go_on(lambda: None)
         try:
             with output.speaking():
                 return super().invoke(ctx)
@@ -94,9 +95,11 @@ class Command(TyperCommand):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Give `--json` its value where it has none."""
         end = args.index("--") if "--" in args else len(args)
+        arguments = any(one.param_type_name == "argument" for one in self.params)  # an FMU is not taken for its file
         for i in [i for i in range(end) if args[i] == "--json"]:
-            following = args[i + 1] if i + 1 < end else ""
-            if following != output.STDOUT and not following.lower().endswith(".json"):
+            following = args[i + 1] if i + 1 < end else "--"
+            named = following.lower().endswith(".json") or not (arguments or following.startswith("-"))
+            if following != output.STDOUT and not named:
                 args[i] = f"--json={output.STDOUT}"
         return super().parse_args(ctx, args)
 
