@@ -21,7 +21,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from psp_cli.interrupt import can_go_on, run
+from psp_cli import interrupt
 from psp_model.whole_file import write_whole
 
 from .fmus import CACHE, ROOT, sources_digest
@@ -61,7 +61,7 @@ def say(text: str) -> None:
     print(f"  {text}", file=sys.stderr, flush=True)
 
 
-def measured(measurement: Measurement, options: argparse.Namespace) -> dict[str, Any]:
+def run(measurement: Measurement, options: argparse.Namespace) -> dict[str, Any]:
     """Measure and describe."""
     began = time.perf_counter()
     load = os.getloadavg()[0]
@@ -97,7 +97,7 @@ def main(arguments: list[str] | None = None) -> int:
     done, note, failed = already_done(options), options.output / UNFINISHED, False
     words = [word for word in (sys.argv[1:] if arguments is None else arguments) if word != "--fresh"]
     again = shlex.join(["python", "-m", "benchmarks", *words])
-    can_go_on(lambda: again if note.exists() and not options.names else None)
+    interrupt.can_go_on(lambda: again if note.exists() and not options.names else None)
     for number, measurement in enumerate(chosen, start=1):
         heading = f"[{number}/{len(chosen)}] {measurement.title}"
         if measurement.name in done and not options.names:
@@ -105,7 +105,7 @@ def main(arguments: list[str] | None = None) -> int:
             continue
         print(heading, file=sys.stderr, flush=True)
         try:
-            result = measured(measurement, options)
+            result = run(measurement, options)
         except (ImportError, OSError, RuntimeError) as error:
             extra = f" (pip install 'psp-platoon[{measurement.extra}]')" if isinstance(error, ImportError) else ""
             print(f"  not measured: {error}{extra}", file=sys.stderr)
@@ -125,4 +125,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    run("benchmarks", main)
+    interrupt.run("benchmarks", main)
