@@ -10,6 +10,8 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
+from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -51,6 +53,14 @@ NEEDS = {"sumo": "libsumo", "sweep": "libsumo", "an example": "libsumo", "explor
 SENTENCE = re.compile(r"[\w.]+: interrupted(: `.+` goes on from here)?")
 
 
+@pytest.fixture(autouse=True)
+def listens() -> Iterator[None]:
+    """What is started does not ignore Ctrl-C, as it would from tests in the background of a shell."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 @pytest.fixture(scope="module")
 def given(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """What the commands work on."""
@@ -77,7 +87,6 @@ def begin(arguments: str, folder: Path) -> subprocess.Popen[str]:
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),  # a test in the background
     )
     while process.poll() is None and len(os.listdir(f"/proc/{process.pid}/task")) < 2:
         time.sleep(0.002)
@@ -116,6 +125,11 @@ def test_one_sentence_and_nothing_half_written(given: Path, tmp_path: Path, name
     assert code == 130 and len(said) == 1 and SENTENCE.fullmatch(said[0]), f"after {delay} s: {code} {stderr}"
     assert "Traceback" not in stderr and "KeyboardInterrupt" not in stderr and stderr.endswith(said[0] + "\n")
     assert left_over(tmp_path) == []
+
+
+def test_the_installed_command_starts_where_ctrl_c_is_looked_after() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert project["scripts"] == {"psp": "psp_cli.entry:main"}
 
 
 def test_a_data_set_says_how_to_go_on_and_goes_on(tmp_path: Path) -> None:
