@@ -19,8 +19,8 @@ import pytest
 
 from build_fmu import main as build
 from psp_model.offline.dataset import make_dataset
-from psp_model.offline.search import EFFORTS
-from small_problems import PLAN, TINY
+from psp_model.offline.engine import Problem
+from psp_model.offline.plan import Plan
 
 if not Path("/proc/self/task").is_dir():
     pytest.skip("when the handler is there is seen in /proc", allow_module_level=True)
@@ -66,9 +66,7 @@ def given(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """What the commands work on."""
     folder = tmp_path_factory.mktemp("given")
     assert build(["--output", str(folder)]) == 0
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(EFFORTS, "tiny", TINY)
-        make_dataset(PLAN, folder / "data.parquet")
+    make_dataset(Plan(8, 1, Problem(3), effort="quick"), folder / "data.parquet")
     rows = "9,10,11,30,31,29,30\n" * 2000
     (folder / "starts.csv").write_text("s_2,s_3,s_4,v_1,v_2,v_3,v_4\n" + rows)
     return folder
