@@ -10,7 +10,13 @@ import matplotlib
 from matplotlib import colormaps
 from matplotlib.figure import Figure
 
+from psp_model.errors import PspError
 from psp_model.whole_file import whole_file
+
+
+class PictureError(PspError, ValueError):
+    """A picture of a kind that cannot be written."""
+
 
 OKABE_ITO = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#F0E442")
 """The palette of Okabe and Ito (2008); yellow comes last because it is hard to see on white."""
@@ -90,7 +96,7 @@ def save(figure: Figure, path: str | Path, command: str = "") -> Path:
 
     Raises
     ------
-    ValueError : where the suffix is another one
+    PictureError : where the suffix is another one
     """
     path = Path(path)
     metadata: dict[str, dict[str, Any]] = {
@@ -100,7 +106,9 @@ def save(figure: Figure, path: str | Path, command: str = "") -> Path:
     }
     kind = path.suffix.lower()
     if kind not in metadata:
-        raise ValueError(f"{path} is no picture that can be written: give it a name that ends in .png, .svg or .pdf")
+        raise PictureError(
+            f"{path} is no picture that can be written", "give it a name that ends in .png, .svg or .pdf"
+        )
     with matplotlib.rc_context(RC), whole_file(path) as partial:
         figure.savefig(partial, dpi=150, metadata=metadata[kind], format=kind[1:])
     return path
