@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from psp_model.clock import Clock
 from psp_model.errors import ModelError
 from psp_model.parameters import PlatoonParameters
 from psp_model.plant import IdealPlant, Motion
-from psp_model.platoon import Sampling, locate
+from psp_model.platoon import Sampling
 from psp_model.state import PlatoonState
 
 from .controller_variables import plant_table
@@ -19,7 +20,7 @@ from .table_slave import TableSlave, logged
 from .variables import Variable
 
 _LEAST, _MOST = nextafter(0.0, 1.0), float_info.max
-_SAVED = ("_values", "_start_time", "_time", "_initialising")
+_SAVED = ("_values", "_clock", "_initialising")
 
 
 class PspPlant(TableSlave):
@@ -38,13 +39,14 @@ class PspPlant(TableSlave):
 
     @logged
     def do_step(self, current_time: float, step_size: float) -> bool:
-        plant, end = self._part, current_time + step_size
+        plant = self._part
         assert plant is not None  # the launcher lets nobody step before initialisation has ended
         a = np.array(self._numbers("a", 1, self.vehicles))
         for i in np.flatnonzero(~np.isfinite(a)).tolist():
             raise ModelError("finite", f"a[{i + 1}]", a[i], "m/s2")
-        plant.advance_to(locate(end - self._start_time, plant.T)[0], a)
-        self._time, self._stale = end, True
+        self._clock = self._clock.after(current_time, step_size, plant.T)
+        plant.advance_to(self._clock.at()[0], a)
+        self._stale = True
         return True
 
     def _outputs(self, plant: IdealPlant) -> list[float]:
@@ -64,6 +66,7 @@ class PspPlant(TableSlave):
         for name in _SAVED:
             setattr(self, name, state[name])
         self._values, self._stale, plant = list(state["_values"]), True, state["plant"]
+        self._clock = Clock(*state["_clock"])
         self._part = plant and IdealPlant(_unpack(plant["now"]), plant["T"], plant["period"])
 
 

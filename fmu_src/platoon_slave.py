@@ -21,7 +21,7 @@ from psp_model.feasible import require_feasible
 from psp_model.membership import OpenPlatoon, Refusal
 from psp_model.network import read_networks
 from psp_model.parameters import PlatoonParameters, PotentialParameters
-from psp_model.platoon import SampledPlatoon, locate
+from psp_model.platoon import SampledPlatoon
 from psp_model.state import PlatoonState, StartDomain
 
 from .slave_state import Members, SlaveState, from_bytes, to_bytes
@@ -93,7 +93,7 @@ class PspPlatoon(TableSlave):
         insert, remove = values[self._insert], values[self._remove]
         if insert == before.insert and remove == before.remove:
             return
-        at = locate(self._time - self._start_time, self._value("T"))
+        at = self._clock.at()
         if remove > 0.5 and not before.remove > 0.5:
             self._make(lambda road: road.remove(self._value("remove_place"), *at))
         if insert > 0.5 and not before.insert > 0.5:
@@ -132,18 +132,17 @@ class PspPlatoon(TableSlave):
             self._make_changes()
         platoon = self._part
         assert platoon is not None  # the launcher lets nobody step before initialisation has ended
-        time = current_time + step_size
         self._stale = True
-        self._time = time
         try:
-            platoon.advance_to(*locate(time - self._start_time, platoon.sampling.T))
+            self._clock = self._clock.after(current_time, step_size, platoon.sampling.T)
+            platoon.advance_to(*self._clock.at())
         except ModelError:  # the outputs then show the instant that was refused
-            self._time = self._start_time + (platoon.now.period + platoon.now.fraction) * platoon.sampling.T
+            self._clock = self._clock._replace(period=platoon.now.period, offset=platoon.now.fraction)
             raise
         return True
 
     def _outputs(self, platoon: SampledPlatoon) -> list[float]:
-        seen = platoon.observe(*locate(self._time - self._start_time, platoon.sampling.T))
+        seen = platoon.observe(*self._clock.at())
         parts = [part.tolist() for part in (seen.x, seen.v, seen.a, seen.s)]
         if missing := [0.0] * (self.vehicles - seen.v.size):
             parts = [part + missing for part in parts]
@@ -164,8 +163,7 @@ class PspPlatoon(TableSlave):
     def _get_fmu_state(self) -> Any:
         return SlaveState(
             values=tuple(self._values[: self._first_output]),
-            start_time=self._start_time,
-            time=self._time,
+            clock=self._clock,
             in_domain=self._in_domain,
             initialising=self._initialising,
             members=self._members,
@@ -175,7 +173,7 @@ class PspPlatoon(TableSlave):
     @logged
     def _set_fmu_state(self, state: Any) -> None:
         self._values[: self._first_output] = state.values
-        self._start_time, self._time, self._in_domain = state.start_time, state.time, state.in_domain
+        self._clock, self._in_domain = state.clock, state.in_domain
         self._initialising, self._stale = state.initialising, True
         self._become(state.members)
         self._part = copy(state.platoon)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from psp_model.clock import Clock
 from psp_model.parameters import ObjectiveWeights, PlatoonParameters, PotentialParameters
 from psp_model.platoon import Instant, Lemma1Policy, SampledPlatoon, Sampling
 from psp_model.state import PlatoonState
@@ -55,7 +56,7 @@ class SlaveState:
     Attributes
     ----------
     values : the parameters and inputs, in the order of the table
-    start_time, time : start and last communication point [s]
+    clock : where the last communication point is
     in_domain : 1.0 if the vehicles were in the network's domain when the potential was chosen
     initialising : whether in initialisation mode
     members : which vehicles there are
@@ -63,8 +64,7 @@ class SlaveState:
     """
 
     values: tuple[float, ...]
-    start_time: float
-    time: float
+    clock: Clock
     in_domain: float
     initialising: bool
     members: Members
@@ -78,7 +78,7 @@ def to_bytes(state: SlaveState) -> bytes:
     ----------
     state : the state
     """
-    fields = {name: getattr(state, name) for name in ("values", "start_time", "time", "in_domain", "initialising")}
+    fields = {name: getattr(state, name) for name in ("values", "clock", "in_domain", "initialising")}
     parts = {"members": asdict(state.members), "platoon": state.platoon and _pack(state.platoon)}
     return json.dumps(fields | parts).encode()
 
@@ -92,8 +92,11 @@ def from_bytes(data: bytes) -> SlaveState:
     """
     fields = json.loads(data)
     members, platoon, values = fields.pop("members"), fields.pop("platoon"), tuple(fields.pop("values"))
+    clock = Clock(*fields.pop("clock"))
     members["vehicles"] = tuple(members["vehicles"])
-    return SlaveState(**fields, values=values, members=Members(**members), platoon=platoon and _unpack(platoon))
+    return SlaveState(
+        **fields, values=values, clock=clock, members=Members(**members), platoon=platoon and _unpack(platoon)
+    )
 
 
 def _pack(platoon: SampledPlatoon) -> dict[str, Any]:

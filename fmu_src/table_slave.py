@@ -18,6 +18,7 @@ from pythonfmu.enums import Fmi2Status
 from pythonfmu.fmi2slave import Fmi2Slave
 
 from psp_model.choose import ParameterSource, Request
+from psp_model.clock import Clock
 from psp_model.errors import ModelError, PspError
 from psp_model.parameters import ObjectiveWeights, PlatoonParameters, PotentialParameters
 from psp_model.platoon import Lemma1Policy, Sampling
@@ -83,8 +84,7 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         self._place = {variable.name: place for place, variable in enumerate(self._table)}
         self._values: list[float] = [0.0 if row.start is None else row.start for row in self._table]
         self._first_output = next(place for place, row in enumerate(self._table) if row.start is None)
-        self._start_time = 0.0
-        self._time = 0.0  # [s] last communication point
+        self._clock = Clock()  # before initialisation it stands at the start
         self._initialising = False
         self._part: Any = None  # what the parameters describe, made when initialisation ends or outputs are read
         self._stale = True  # the outputs in _values lag behind
@@ -166,7 +166,7 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
 
     @logged
     def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
-        self._start_time = self._time = start_time
+        self._clock = Clock.begin(start_time)
 
     @logged
     def enter_initialization_mode(self) -> None:

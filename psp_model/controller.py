@@ -90,6 +90,7 @@ class Measurement:
     n_active : vehicles under control
     resolve : alpha, r, p are chosen anew where this rises above 0.5
     age : time since gaps and speeds were measured [s]
+    age_rounding : how far the age may be off because clocks are rounded [s]
     v_desired : desired speed instead of v_star, 0 to stand, None for v_star [m/s] (ours: the paper has one v_star for
         good)
     """
@@ -100,6 +101,7 @@ class Measurement:
     resolve: float = 0.0
     age: float = 0.0
     v_desired: float | None = None
+    age_rounding: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +196,7 @@ class SampledController(Warns):
             raise ModelError("active", n, settings.capacity)
         if not np.isfinite(measured.age):
             raise ModelError("age", measured.age)
-        if not measured.age <= settings.max_age:
+        if not measured.age <= settings.max_age + measured.age_rounding:
             raise ModelError("stale", measured.age, settings.max_age)
         if not np.isfinite(measured.resolve):
             raise ModelError("finite", "resolve", measured.resolve, "1")

@@ -18,7 +18,7 @@ typedef struct {
 /* What it is told at a sampling instant. */
 typedef struct {
     const double *s, *v; /* room for PSP_N vehicles, of which n_active count */
-    double n_active, resolve, age;
+    double n_active, resolve, age, age_rounding;
     double v_desired; /* v_star at -1 and below */
 } Measurement;
 

@@ -6,8 +6,7 @@
 
 typedef struct {
     Settings settings;
-    double time;     /* [s] last communication point */
-    double set_at;   /* [s] when inputs were last set */
+    double set_at;   /* [sampling periods] since the first sampling instant, when inputs were last set */
     int64_t sampled; /* sampling instants that lie in the past */
     bool fresh;      /* inputs were set at this communication point */
     bool foreseen;   /* `ahead` is the decision at the instant that the communication point is */

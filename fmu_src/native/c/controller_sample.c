@@ -86,7 +86,8 @@ static bool take(const Settings *settings, const Measurement *measured, Decision
     const double n = measured->n_active, age = measured->age;
     if (!is_count(n)) return refuse(text, PSP_SENTENCE_active, printable(n), PSP_N);
     if (!isfinite(age)) return refuse(text, PSP_SENTENCE_age, printable(age));
-    if (!(age <= settings->max_age)) return refuse(text, PSP_SENTENCE_stale, age, settings->max_age);
+    if (!(age <= settings->max_age + measured->age_rounding))
+        return refuse(text, PSP_SENTENCE_stale, age, settings->max_age);
     if (!isfinite(measured->resolve)) return refuse(text, PSP_SENTENCE_finite, "resolve", printable(measured->resolve), "1");
     return take_desired(measured->v_desired, settings->constants.v_max, decision, text) &&
            take_motion(settings, (int)n, measured, decision, text);

@@ -1,5 +1,4 @@
 /* The backend of the closed loop: initialisation, steps and outputs over the platoon in C. */
-#include <math.h>
 #include <string.h>
 
 #include "native_model.h"
@@ -32,9 +31,12 @@ fmi2Status backend_do_step(Backend *backend, double from, double size)
     Platoon *platoon = &part->platoon;
     model->stale = 1;
     if (size > 0.0 && !part_make_changes(part, backend->front, model->values)) return fmi2Error;
-    const double time = from + size - model->start_time, periods = locate(time, platoon->T, &part->fraction);
-    if (!(fabs(periods) < PERIODS_MAX)) front_fail(backend->front, PSP_SENTENCE_periods, time, platoon->T);
-    else if (platoon_advance(platoon, backend->front, part->period = (int64_t)periods, part->fraction)) return fmi2OK;
+    if (!clock_pass(&model->clock, from, size, platoon->T)) {
+        front_fail(backend->front, PSP_SENTENCE_periods, from + size - model->clock.first, platoon->T);
+    } else {
+        part->period = clock_at(&model->clock, &part->fraction);
+        if (platoon_advance(platoon, backend->front, part->period, part->fraction)) return fmi2OK;
+    }
     part->period = platoon->now.period; /* the outputs then show the instant that was refused */
     part->fraction = platoon->now.fraction;
     return fmi2Error;
