@@ -20,7 +20,8 @@ from .platoon import MOST_PERIODS, TIME_TOLERANCE
 
 _EPSILON = float_info.epsilon
 _SINGLE_EPSILON = 2.0**-23  # of single precision
-_PLACES = 4.0  # last places that a few sizes may be off in all, be they nominal or differences of times
+_ULPS = 4.0  # [units in the last place] rounding of a time that is computed in another way than ours
+_MIXED = 16.0  # [last places] that steps of different sizes may drift; equal ones drift without an end
 _NANOSECONDS = 2e-9  # [s] what a master that counts nanoseconds rounds off in a few steps
 _AIM = 1 / 64  # [sampling periods] most drift of a master's time that a step to an absolute time makes up for
 
@@ -34,7 +35,8 @@ class Clock(NamedTuple):
     time : the last communication point as the master has it [s]
     period, offset : the nearest sampling instant, and how far behind it the communication point is [sampling periods]
     last : size of the last step [s]
-    doubt : what equal steps may have drifted since the last instant that was met [sampling periods]
+    doubt : what the steps may have drifted since the last instant that was met, half a last place each
+        [sampling periods]
     """
 
     first: float = 0.0
@@ -81,7 +83,7 @@ class Clock(NamedTuple):
         age : difference of two times [s]
         T : sampling period [s]
         """
-        return TIME_TOLERANCE * T + _PLACES * _EPSILON * abs(self.time) * (1.0 + max(age, 0.0) / T)
+        return TIME_TOLERANCE * T + _ULPS * _EPSILON * abs(self.time) * (1.0 + max(age, 0.0) / T)
 
     def after(self, begin: float, size: float, T: float) -> Clock:
         """The clock after a communication step.
@@ -107,8 +109,10 @@ class Clock(NamedTuple):
         whole, offset = _nearest(self.offset + periods)
         place = _last_place(begin, size)
         again = abs(size - self.last) <= place
-        doubt = self.doubt + (0.5 * place / T if again else 0.0)
-        reach = max(_PLACES * place / T + doubt, min(_NANOSECONDS / T, TIME_TOLERANCE))
+        doubt = self.doubt
+        if again or doubt < _MIXED * place / T:
+            doubt += 0.5 * place / T
+        reach = max(place / T + doubt, min(_NANOSECONDS / T, TIME_TOLERANCE))
         there = Clock(self.first, end, self.period + whole, offset, size, doubt)
         return there._settled(periods, reach, again, T)
 
@@ -117,7 +121,7 @@ class Clock(NamedTuple):
         moved = begin - self.time
         if moved == 0.0:
             return moved
-        rounding = _PLACES * _EPSILON
+        rounding = _ULPS * _EPSILON
         if _digits(begin) <= 24 and _digits(size) <= 24:
             rounding = _SINGLE_EPSILON  # it keeps time in single precision
         return moved if abs(moved) > rounding * abs(begin) else 0.0
@@ -132,7 +136,7 @@ class Clock(NamedTuple):
             if again or not apart <= min(_AIM, half):
                 return self
             # a step unlike the last one may aim at a time; the master's, which has drifted from the sum of its steps
-            rounding = TIME_TOLERANCE + _PLACES * _EPSILON * abs(self.time) / T
+            rounding = TIME_TOLERANCE + _ULPS * _EPSILON * abs(self.time) / T
             if not abs((self.time - self.first) / T - self.period) <= rounding:
                 return self
             reach = apart

@@ -7,7 +7,8 @@
 #include "vehicles.h"
 
 #define SINGLE_EPSILON 0x1p-23 /* of single precision */
-#define PLACES 4.0             /* last places that a few sizes may be off in all */
+#define ULPS 4.0               /* [units in the last place] rounding of a time that is computed in another way than ours */
+#define MIXED 16.0             /* [last places] that steps of different sizes may drift; equal ones drift without an end */
 #define NANOSECONDS 2e-9       /* [s] what a master that counts nanoseconds rounds off in a few steps */
 #define AIM 0x1p-6 /* [sampling periods] most drift of a master's time that a step to an absolute time makes up for */
 
@@ -70,14 +71,14 @@ double clock_time_of(const Clock *clock, int64_t instant, double T)
 
 double clock_age_rounding(const Clock *clock, double age, double T)
 {
-    return TIME_TOLERANCE * T + PLACES * DBL_EPSILON * fabs(clock->time) * (1.0 + fmax(age, 0.0) / T);
+    return TIME_TOLERANCE * T + ULPS * DBL_EPSILON * fabs(clock->time) * (1.0 + fmax(age, 0.0) / T);
 }
 
 /* By how much more than its rounding the master's time has moved since the last step ended [s]. */
 static double moved(const Clock *clock, double begin, double size)
 {
     const double by = begin - clock->time;
-    double rounding = PLACES * DBL_EPSILON;
+    double rounding = ULPS * DBL_EPSILON;
     if (by == 0.0) return by;
     if (digits_of(begin) <= 24 && digits_of(size) <= 24) rounding = SINGLE_EPSILON; /* it keeps time in single precision */
     return fabs(by) > rounding * fabs(begin) ? by : 0.0;
@@ -90,7 +91,7 @@ static void settle(Clock *clock, double periods, double reach, bool again, doubl
     if (!(apart <= TIME_TOLERANCE || apart <= fmin(TIME_TOLERANCE + reach, half))) {
         if (again || !(apart <= fmin(AIM, half))) return;
         /* a step unlike the last one may aim at a time; the master's, which has drifted from the sum of its steps */
-        const double rounding = TIME_TOLERANCE + PLACES * DBL_EPSILON * fabs(clock->time) / T;
+        const double rounding = TIME_TOLERANCE + ULPS * DBL_EPSILON * fabs(clock->time) / T;
         if (!(fabs((clock->time - clock->first) / T - (double)clock->period) <= rounding)) return;
         reach = apart;
     }
@@ -113,9 +114,9 @@ bool clock_pass(Clock *clock, double begin, double size, double T)
     clock->period += nearest(clock->offset + periods, &clock->offset);
     const double place = last_place(begin, size);
     const bool again = fabs(size - clock->last) <= place;
-    if (again) clock->doubt += 0.5 * place / T;
+    if (again || clock->doubt < MIXED * place / T) clock->doubt += 0.5 * place / T;
     clock->last = size;
-    const double reach = fmax(PLACES * place / T + clock->doubt, fmin(NANOSECONDS / T, TIME_TOLERANCE));
+    const double reach = fmax(place / T + clock->doubt, fmin(NANOSECONDS / T, TIME_TOLERANCE));
     settle(clock, periods, reach, again, T);
     return true;
 }

@@ -12,7 +12,7 @@ typedef struct {
     int64_t period; /* the nearest sampling instant */
     double offset;  /* how far behind it the communication point is [sampling periods] */
     double last;    /* size of the last step [s] */
-    double doubt;   /* what equal steps may have drifted since the last instant that was met [sampling periods] */
+    double doubt;   /* what the steps may have drifted since the last instant that was met [sampling periods] */
 } Clock;
 
 void clock_begin(Clock *clock, double start, double phase, double T);
