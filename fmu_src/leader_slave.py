@@ -42,8 +42,7 @@ class PspLeader(TableSlave):
         return lambda time: profile.speed(time - begin)
 
     def _outputs(self, speed: Callable[[float], float]) -> list[float]:
-        period, fraction = self._clock.at()
-        return [speed((period + fraction) * _SECOND)]
+        return [speed((self._clock.period + self._clock.offset) * _SECOND)]
 
     @logged
     def do_step(self, current_time: float, step_size: float) -> bool:
