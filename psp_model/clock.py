@@ -83,7 +83,8 @@ class Clock(NamedTuple):
         age : difference of two times [s]
         T : sampling period [s]
         """
-        return TIME_TOLERANCE * T + _ULPS * _EPSILON * abs(self.time) * (1.0 + max(age, 0.0) / T)
+        periods = min(max(age, 0.0) / T, MOST_PERIODS)  # which the master's time may have drifted in
+        return TIME_TOLERANCE * T + _ULPS * _EPSILON * abs(self.time) * (1.0 + periods)
 
     def after(self, begin: float, size: float, T: float) -> Clock:
         """The clock after a communication step.
@@ -114,6 +115,8 @@ class Clock(NamedTuple):
             doubt += 0.5 * place / T
         reach = max(place / T + doubt, min(_NANOSECONDS / T, TIME_TOLERANCE))
         there = Clock(self.first, end, self.period + whole, offset, size, doubt)
+        if whole == 0 and abs(self.offset) <= TIME_TOLERANCE:
+            return there  # that instant has been met
         return there._settled(periods, reach, again, T)
 
     def _moved(self, begin: float, size: float) -> float:
@@ -136,11 +139,12 @@ class Clock(NamedTuple):
             if again or not apart <= min(_AIM, half):
                 return self
             # a step unlike the last one may aim at a time; the master's, which has drifted from the sum of its steps
-            rounding = TIME_TOLERANCE + _ULPS * _EPSILON * abs(self.time) / T
-            if not abs((self.time - self.first) / T - self.period) <= rounding:
+            rounding = _ULPS * _EPSILON * abs(self.time) / T
+            off = abs((self.time - self.first) / T - self.period)
+            if not (rounding <= 0.25 * apart and off <= min(TIME_TOLERANCE, 0.5 * apart) + rounding):
                 return self
             reach = apart
-        rest = min(max(apart - reach, 0.0), TIME_TOLERANCE)
+        rest = min(max(apart - min(reach, half), 0.0), TIME_TOLERANCE)
         return self._replace(offset=copysign(rest, self.offset), doubt=0.0)
 
 

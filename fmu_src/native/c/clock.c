@@ -71,7 +71,8 @@ double clock_time_of(const Clock *clock, int64_t instant, double T)
 
 double clock_age_rounding(const Clock *clock, double age, double T)
 {
-    return TIME_TOLERANCE * T + ULPS * DBL_EPSILON * fabs(clock->time) * (1.0 + fmax(age, 0.0) / T);
+    const double periods = fmin(fmax(age, 0.0) / T, PERIODS_MAX); /* which the master's time may have drifted in */
+    return TIME_TOLERANCE * T + ULPS * DBL_EPSILON * fabs(clock->time) * (1.0 + periods);
 }
 
 /* By how much more than its rounding the master's time has moved since the last step ended [s]. */
@@ -91,11 +92,12 @@ static void settle(Clock *clock, double periods, double reach, bool again, doubl
     if (!(apart <= TIME_TOLERANCE || apart <= fmin(TIME_TOLERANCE + reach, half))) {
         if (again || !(apart <= fmin(AIM, half))) return;
         /* a step unlike the last one may aim at a time; the master's, which has drifted from the sum of its steps */
-        const double rounding = TIME_TOLERANCE + ULPS * DBL_EPSILON * fabs(clock->time) / T;
-        if (!(fabs((clock->time - clock->first) / T - (double)clock->period) <= rounding)) return;
+        const double rounding = ULPS * DBL_EPSILON * fabs(clock->time) / T;
+        const double off = fabs((clock->time - clock->first) / T - (double)clock->period);
+        if (!(rounding <= 0.25 * apart && off <= fmin(TIME_TOLERANCE, 0.5 * apart) + rounding)) return;
         reach = apart;
     }
-    clock->offset = copysign(fmin(fmax(apart - reach, 0.0), TIME_TOLERANCE), clock->offset);
+    clock->offset = copysign(fmin(fmax(apart - fmin(reach, half), 0.0), TIME_TOLERANCE), clock->offset);
     clock->doubt = 0.0;
 }
 
@@ -111,12 +113,14 @@ bool clock_pass(Clock *clock, double begin, double size, double T)
         clock->doubt = 0.0;
         return true;
     }
-    clock->period += nearest(clock->offset + periods, &clock->offset);
+    const bool at_instant = fabs(clock->offset) <= TIME_TOLERANCE;
+    const int64_t whole = nearest(clock->offset + periods, &clock->offset);
+    clock->period += whole;
     const double place = last_place(begin, size);
     const bool again = fabs(size - clock->last) <= place;
     if (again || clock->doubt < MIXED * place / T) clock->doubt += 0.5 * place / T;
     clock->last = size;
     const double reach = fmax(place / T + clock->doubt, fmin(NANOSECONDS / T, TIME_TOLERANCE));
-    settle(clock, periods, reach, again, T);
+    if (whole != 0 || !at_instant) settle(clock, periods, reach, again, T); /* else that instant has been met */
     return true;
 }
