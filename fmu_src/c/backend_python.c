@@ -26,6 +26,8 @@
     X(GetFMUstate) X(SetFMUstate) X(FreeFMUstate) X(SerializedFMUstateSize)                 \
     X(SerializeFMUstate) X(DeSerializeFMUstate)
 
+enum { TIME_REFERENCE = 0x7fffffff }; /* under which our slaves tell us the time that they have come to; no host may ask */
+
 struct Backend {
 #define X(name) fmi2##name##TYPE *name;
     FUNCTIONS(X)
@@ -89,20 +91,26 @@ const char *backend_guid(const char *resources, char *buffer, size_t size)
 static bool readable(Front *front, const char *resources)
 {
     char module[256];
-    if (!resources) {
+    Excerpt excerpt;
+    if (!resources || resources[0] == '\0') {
         front_fail(front, "fmi2Instantiate was called without a resource location: pass the URI of the FMU's resources");
+        return false;
+    }
+    if (!text_is_utf8(resources)) { /* pythonfmu crashes on it */
+        front_fail(front, "the FMU's resources lie in %s, whose name is no UTF-8: extract the FMU into another folder",
+                   text_excerpt(resources, &excerpt));
         return false;
     }
     if (strstr(resources, "%20") || strstr(resources, "file://")) { /* pythonfmu would replace them */
         front_fail(front, "the FMU's resources lie in %s, and pythonfmu cannot open a path with '%%20' in it: extract the "
-                          "FMU into another folder", resources);
+                          "FMU into another folder", text_excerpt(resources, &excerpt));
         return false;
     }
     first_line(resources, "slavemodule.txt", module, sizeof module);
     FILE *stream = module[0] ? open_resource(resources, module, ".py") : NULL;
     if (!stream) {
         front_fail(front, "the FMU's resources cannot be read in %s: extract the whole FMU and pass the URI of its folder "
-                          "'resources'", resources);
+                          "'resources'", text_excerpt(resources, &excerpt));
         return false;
     }
     fclose(stream);
@@ -118,6 +126,7 @@ static void let_go_at_exit(void) { let_go(); }
 static bool load_pythonfmu(Backend *model, const char *resources)
 {
     char path[2048], why[512];
+    Excerpt excerpt;
     snprintf(path, sizeof path, "%s%s", resources, EXPORT_LIBRARY);
     void *library = library_open(path, false);
     bool found = library != NULL;
@@ -126,7 +135,7 @@ static bool load_pythonfmu(Backend *model, const char *resources)
 #undef X
     if (!found)
         front_fail(model->front, "%s cannot be loaded (%s): extract the whole FMU, and install what this message names",
-                   path, library_error(why, sizeof why));
+                   text_excerpt(path, &excerpt), library_error(why, sizeof why));
     else if (!let_go && library_function(library, "finalizePythonInterpreter", &let_go))
         atexit(let_go_at_exit);
     return found;
@@ -187,13 +196,21 @@ fmi2Status backend_terminate(Backend *model) { return FORWARD(model->Terminate(m
 
 fmi2Status backend_reset(Backend *model) { return FORWARD(model->Reset(model->component)); }
 
-fmi2Status backend_do_step(Backend *model, double from, double size)
+fmi2Status backend_do_step(Backend *model, double from, double size, double *reached)
 {
+    static const fmi2ValueReference time = TIME_REFERENCE;
     fmi2Status status = FORWARD(model->DoStep(model->component, from, size, fmi2False));
     if (status != fmi2Discard) return status;
-    if (model->front->worst >= fmi2Discard) return model->front->worst;
+    if (model->front->worst == fmi2Discard) return FORWARD(model->GetReal(model->component, &time, 1, reached));
+    if (model->front->worst > fmi2Discard) return model->front->worst;
     return front_fail(model->front, "the step at t = %.10g s failed without a reason given: look at the messages before",
                       from);
+}
+
+static fmi2Status no_variable(Backend *model, fmi2ValueReference reference, const char *type)
+{
+    return front_fail(model->front, "value reference %d belongs to no %s variable of this FMU: take it from "
+                                    "modelDescription.xml", (int)reference, type);
 }
 
 #define VARIABLES(function, name, type)                                                                                \
@@ -202,7 +219,14 @@ fmi2Status backend_do_step(Backend *model, double from, double size)
         return FORWARD(model->name(model->component, vr, count, value));                                               \
     }
 
-VARIABLES(backend_get_real, GetReal, fmi2Real)
+fmi2Status backend_get_real(Backend *model, const fmi2ValueReference vr[], size_t count, fmi2Real value[])
+{
+    for (size_t i = 0; i < count; i++) {
+        if (vr[i] == TIME_REFERENCE) return no_variable(model, vr[i], "Real");
+    }
+    return FORWARD(model->GetReal(model->component, vr, count, value));
+}
+
 VARIABLES(backend_get_integer, GetInteger, fmi2Integer)
 VARIABLES(backend_set_real, SetReal, const fmi2Real)
 VARIABLES(backend_set_integer, SetInteger, const fmi2Integer)
@@ -212,8 +236,7 @@ VARIABLES(backend_set_integer, SetInteger, const fmi2Integer)
     fmi2Status function(Backend *model, const fmi2ValueReference vr[], size_t count, type value[])                     \
     {                                                                                                                  \
         (void)count, (void)value;                                                                                      \
-        return front_fail(model->front, "value reference %d belongs to no " name " variable of this FMU: take it from " \
-                                        "modelDescription.xml", (int)vr[0]);                                           \
+        return no_variable(model, vr[0], name);                                                                        \
     }
 
 NONE(backend_get_boolean, fmi2Boolean, "Boolean")
@@ -240,9 +263,12 @@ fmi2Status backend_write_state(Backend *model, void *state, char *bytes, size_t 
     return FORWARD(model->SerializeFMUstate(model->component, state, bytes, size));
 }
 
-fmi2Status backend_read_state(Backend *model, const char *bytes, size_t size, void **state)
+fmi2Status backend_read_state(Backend *model, const Progress *progress, const char *bytes, size_t size, void **state)
 {
-    return FORWARD(model->DeSerializeFMUstate(model->component, bytes, size, state));
+    (void)progress; /* the slave needs none of it to be safe: it raises no exception that it does not catch */
+    const fmi2Status status = FORWARD(model->DeSerializeFMUstate(model->component, bytes, size, state));
+    if (!model->dead && model->front->worst >= fmi2Error) backend_free_state(model, *state); /* it stands for nothing */
+    return status;
 }
 
 fmi2Status backend_directional_derivative(Backend *model, const fmi2ValueReference unknowns[], size_t unknown_count,

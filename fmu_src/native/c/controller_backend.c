@@ -51,7 +51,19 @@ static bool sample(Backend *backend)
     return decide(&model->part.settings, backend->front, time, &measured, &model->part.now, &backend->scratch);
 }
 
-fmi2Status backend_do_step(Backend *backend, double from, double size)
+/* Where an instant behind the beginning of the step is refused: the step ends there, where newer inputs may come, and the
+ * command held is shown. */
+static fmi2Status end_early(Backend *backend, double *reached)
+{
+    Part *part = &backend->model.part;
+    if (backend->front->partly) {
+        *reached = part->time = instant(&backend->model);
+        part->fresh = false;
+    }
+    return front_failure(backend->front);
+}
+
+fmi2Status backend_do_step(Backend *backend, double from, double size, double *reached)
 {
     Model *model = &backend->model;
     Part *part = &model->part;
@@ -61,7 +73,8 @@ fmi2Status backend_do_step(Backend *backend, double from, double size)
         return front_fail(backend->front, PSP_SENTENCE_periods, end - model->start_time, T);
     model->stale = 1;
     for (; instant(model) < end - TIME_TOLERANCE * T; part->sampled++) { /* at the end newer inputs may come */
-        if (!part->foreseen && !sample(backend)) return fmi2Error;
+        backend->front->partly = instant(model) > from + TIME_TOLERANCE * T;
+        if (!part->foreseen && !sample(backend)) return end_early(backend, reached);
         part->now = part->foreseen ? part->ahead : backend->scratch;
         part->foreseen = false;
     }

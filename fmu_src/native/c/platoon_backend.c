@@ -25,7 +25,7 @@ void part_changed(Backend *backend) { (void)backend; } /* parameters are read wh
 
 /* time */
 
-fmi2Status backend_do_step(Backend *backend, double from, double size)
+fmi2Status backend_do_step(Backend *backend, double from, double size, double *reached)
 {
     Model *model = &backend->model;
     Part *part = &model->part;
@@ -33,11 +33,14 @@ fmi2Status backend_do_step(Backend *backend, double from, double size)
     model->stale = 1;
     if (size > 0.0 && !part_make_changes(part, backend->front, model->values)) return fmi2Error;
     const double time = from + size - model->start_time, periods = locate(time, platoon->T, &part->fraction);
+    fmi2Status status = fmi2Error;
     if (!(fabs(periods) < PERIODS_MAX)) front_fail(backend->front, PSP_SENTENCE_periods, time, platoon->T);
-    else if (platoon_advance(platoon, backend->front, part->period = (int64_t)periods, part->fraction)) return fmi2OK;
-    part->period = platoon->now.period; /* the outputs then show the instant that was refused */
+    else status = platoon_advance(platoon, backend->front, part->period = (int64_t)periods, part->fraction, &backend->scratch);
+    if (status == fmi2OK) return status;
+    part->period = platoon->now.period; /* the outputs then show that instant */
     part->fraction = platoon->now.fraction;
-    return fmi2Error;
+    *reached = model->start_time + ((double)part->period + part->fraction) * platoon->T;
+    return status;
 }
 
 /* outputs */
