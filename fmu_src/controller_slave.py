@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from copy import copy
 from dataclasses import asdict
 from pathlib import Path
@@ -13,10 +12,10 @@ import numpy as np
 from psp_model.controller import BadMeasurement, Command, ControllerSettings, Measurement, SampledController
 from psp_model.errors import ModelError
 from psp_model.network import read_networks
-from psp_model.parameters import PotentialParameters
 from psp_model.platoon import TIME_TOLERANCE, locate
 
 from .controller_variables import controller_table
+from .state_check import bound, count, flag, number, potential, record, require, variables, vector
 from .table_slave import LONGEST, TableSlave, logged
 from .variables import Variable
 
@@ -57,11 +56,15 @@ class PspController(TableSlave):
         self._set_at = start_time  # what was set before belongs to the start
 
     def _initialise(self) -> SampledController:
+        return SampledController(self._settings(), self._networks, self._warn)
+
+    def _settings(self) -> ControllerSettings:
+        """What the parameters say, checked."""
         read, sampling = self._value, self._sampling()
         phase = read("phase")
         if not 0 <= phase < sampling.T:
             raise ModelError("phase", phase, sampling.T)
-        settings = ControllerSettings(
+        return ControllerSettings(
             capacity=self.vehicles,
             constants=self._constants(),
             weights=self._weights(),
@@ -73,7 +76,6 @@ class PspController(TableSlave):
             a_safe=read("a_safe"),
             max_age=read("max_age"),
         )
-        return SampledController(settings, self._networks, self._warn)
 
     # time
 
@@ -100,8 +102,9 @@ class PspController(TableSlave):
 
     @logged
     def do_step(self, current_time: float, step_size: float) -> bool:
+        self._require_here(current_time, step_size)
         controller, end = self._part, current_time + step_size
-        assert controller is not None  # the launcher lets nobody step before initialisation has ended
+        assert controller is not None
         if step_size <= 0.0:
             return True
         locate(end - self._start_time, self._value("T"))  # refuses more periods than can be counted
@@ -110,7 +113,14 @@ class PspController(TableSlave):
             if self._ahead is not None:
                 controller.now, self._ahead = self._ahead, None
             else:
-                self._sample(controller)
+                try:
+                    self._sample(controller)
+                except ModelError as error:
+                    if not self._instant() > current_time + TIME_TOLERANCE * self._value("T"):
+                        raise
+                    # the step ends here, where newer inputs may come, and the command held is shown
+                    self._time, self._fresh = self._instant(), False
+                    return self._discard(error)
             self._sampled += 1
         self._time, self._fresh = end, False
         return True
@@ -139,13 +149,11 @@ class PspController(TableSlave):
 
     # the whole state
 
-    @logged
-    def _get_fmu_state(self) -> dict[str, Any]:
+    def _state(self) -> dict[str, Any]:
         state = {name: getattr(self, name) for name in _SAVED} | {"_values": tuple(self._values)}
         return state | {"now": self._part and self._part.now, "ahead": self._ahead}
 
-    @logged
-    def _set_fmu_state(self, state: dict[str, Any]) -> None:
+    def _become_state(self, state: dict[str, Any]) -> None:
         for name in _SAVED:
             setattr(self, name, state[name])
         self._values, self._ahead, self._stale = list(state["_values"]), state["ahead"], True
@@ -155,14 +163,25 @@ class PspController(TableSlave):
             self._part.now = state["now"]
 
     @staticmethod
-    def _fmu_state_to_bytes(state: dict[str, Any]) -> bytes:
-        commands = {name: state[name] and _pack(state[name]) for name in ("now", "ahead")}
-        return json.dumps(state | commands).encode()
+    def _as_json(state: dict[str, Any]) -> dict[str, Any]:
+        return state | {name: state[name] and _pack(state[name]) for name in ("now", "ahead")}
 
-    @staticmethod
-    def _fmu_state_from_bytes(data: bytes) -> dict[str, Any]:
-        state: dict[str, Any] = json.loads(data)
-        return state | {name: state[name] and _unpack(state[name]) for name in ("now", "ahead")}
+    def _restore(self, data: Any) -> dict[str, Any]:
+        state = record(data, (*_SAVED, "now", "ahead"))
+        values = variables(state["_values"], self._integers)
+        start, time, set_at = (number(state[name]) for name in ("_start_time", "_time", "_set_at"))
+        sampled = count(state["_sampled"])
+        require(set_at <= time)
+        found = {"_start_time": start, "_time": time, "_set_at": set_at, "_sampled": sampled, "_values": values}
+        found |= {name: flag(state[name]) for name in ("_initialising", "_fresh")}
+        require(state["now"] is not None or state["ahead"] is None)
+        if state["now"] is None:
+            return found | {"now": None, "ahead": None}
+        with self._with_values(values[: self._first_output]):
+            settings = self._settings()
+        next_instant = start + values[self._place["phase"]] + sampled * settings.sampling.T
+        require(abs(next_instant - time) <= 2 * settings.sampling.T + 1e-12 * abs(time))  # or others pass without end
+        return found | {name: state[name] and _unpack(state[name], settings) for name in ("now", "ahead")}
 
 
 def _pack(command: Command) -> dict[str, Any]:
@@ -171,6 +190,20 @@ def _pack(command: Command) -> dict[str, Any]:
     return fields | arrays | {"shape": asdict(command.shape)}
 
 
-def _unpack(packed: dict[str, Any]) -> Command:
-    arrays = {"a": np.array(packed["a"]), "saturated": np.array(packed["saturated"], dtype=bool)}
-    return Command(**(packed | arrays | {"shape": PotentialParameters(**packed["shape"])}))
+def _unpack(data: Any, settings: ControllerSettings) -> Command:
+    packed, N = record(data, Command.__dataclass_fields__), settings.capacity
+    saturated, n_active = packed["saturated"], count(packed["n_active"])
+    require(n_active <= N and isinstance(saturated, list) and len(saturated) == N)
+    return Command(
+        a=vector(packed["a"], N),
+        saturated=np.array([flag(one) for one in saturated], dtype=bool),
+        in_order=flag(packed["in_order"]),
+        T_max=bound(packed["T_max"]),
+        violations=count(packed["violations"]),
+        faults=count(packed["faults"]),
+        choices=count(packed["choices"]),
+        n_active=n_active,
+        in_domain=flag(packed["in_domain"]),
+        resolve=number(packed["resolve"]),
+        shape=potential(packed["shape"], settings.constants, settings.request.old),
+    )

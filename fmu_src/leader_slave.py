@@ -12,6 +12,7 @@ from psp_model.errors import ModelError
 from psp_model.leader import Profile, Wave, read_profile
 
 from .controller_variables import leader_table
+from .state_check import flag, record, restored_basics
 from .table_slave import TableSlave, logged
 from .variables import Variable
 
@@ -44,17 +45,24 @@ class PspLeader(TableSlave):
 
     @logged
     def do_step(self, current_time: float, step_size: float) -> bool:
+        self._require_here(current_time, step_size)
         self._time, self._stale = current_time + step_size, True
         return True
 
-    @logged
-    def _get_fmu_state(self) -> dict[str, Any]:
+    def _state(self) -> dict[str, Any]:
         state = {name: getattr(self, name) for name in _SAVED} | {"_values": tuple(self._values)}
         return state | {"ready": self._part is not None}
 
-    @logged
-    def _set_fmu_state(self, state: dict[str, Any]) -> None:
+    def _become_state(self, state: dict[str, Any]) -> None:
         for name in _SAVED:
             setattr(self, name, state[name])
         self._values, self._stale = list(state["_values"]), True
         self._part = self._initialise() if state["ready"] else None
+
+    @staticmethod
+    def _as_json(state: dict[str, Any]) -> dict[str, Any]:
+        return state
+
+    def _restore(self, data: Any) -> dict[str, Any]:
+        state = record(data, (*_SAVED, "ready"))
+        return restored_basics(state, self._integers) | {"ready": flag(state["ready"])}

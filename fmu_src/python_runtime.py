@@ -29,17 +29,12 @@ NEEDS = (
     "Needs from outside: a 64-bit Python 3.11 or later with numpy and onnxruntime (resources/requirements.txt), on "
     "Linux or Windows: a Python host lends its own, other hosts find the python3 that is first on PATH."
 )
+_SHARED_FILES = ("__init__.py", "variables.py", "state_check.py", "table_slave.py")
 _SLAVE_FILES = {
-    "PspPlatoon": ("__init__.py", "variables.py", "slave_state.py", "table_slave.py", "platoon_slave.py"),
-    "PspController": (
-        "__init__.py",
-        "variables.py",
-        "table_slave.py",
-        "controller_variables.py",
-        "controller_slave.py",
-    ),
-    "PspLeader": ("__init__.py", "variables.py", "table_slave.py", "controller_variables.py", "leader_slave.py"),
-    "PspPlant": ("__init__.py", "variables.py", "table_slave.py", "controller_variables.py", "plant_slave.py"),
+    "PspPlatoon": (*_SHARED_FILES, "slave_state.py", "platoon_slave.py"),
+    "PspController": (*_SHARED_FILES, "controller_variables.py", "controller_slave.py"),
+    "PspLeader": (*_SHARED_FILES, "controller_variables.py", "leader_slave.py"),
+    "PspPlant": (*_SHARED_FILES, "controller_variables.py", "plant_slave.py"),
 }
 _LAUNCHERS = {"linux64": "psp_launcher.so", "win64": "psp_launcher.dll"}
 _OWN_IMPORT = re.compile(r"^(\s*(?:from|import) )(psp_model|fmu_src)\b", re.MULTILINE)

@@ -64,6 +64,8 @@ SENTENCES = {
     "fixed": "%s is a fixed parameter: set it before initialisation ends, or reset the FMU first",
     "output": "%s is an output and cannot be set: set parameters only",
     "reference": "value reference %d belongs to no %s variable of this FMU: take it from modelDescription.xml",
+    "state": "fmi2DeSerializeFMUstate was given a state that no run can come to, though its checksum fits: pass what "
+    "fmi2SerializeFMUstate wrote",
     "internal": "internal error in %s, %s: please report it with the start values that led to it",
     "compiler": "the rollouts could not be compiled (%s): install the extra psp-platoon[offline], which brings "
     "a C compiler",

@@ -265,9 +265,11 @@ fmi2Status backend_write_state(Backend *model, void *state, char *bytes, size_t 
 
 fmi2Status backend_read_state(Backend *model, const Progress *progress, const char *bytes, size_t size, void **state)
 {
-    (void)progress; /* the slave needs none of it to be safe: it raises no exception that it does not catch */
-    const fmi2Status status = FORWARD(model->DeSerializeFMUstate(model->component, bytes, size, state));
-    if (!model->dead && model->front->worst >= fmi2Error) backend_free_state(model, *state); /* it stands for nothing */
+    (void)progress; /* before it steps the slave compares its time with the front's */
+    fmi2Status status = FORWARD(model->DeSerializeFMUstate(model->component, bytes, size, state));
+    if (status != fmi2OK) return status;
+    status = FORWARD(model->SetFMUstate(model->component, *state)); /* our slaves check what was read, and do not set it */
+    if (model->front->worst >= fmi2Error) backend_free_state(model, *state);
     return status;
 }
 

@@ -40,7 +40,13 @@ _OWN_SOURCES = {  # of each component, by the name of the header that says what 
         "platoon_trial.c",
         "platoon_trial.h",
     ),
-    "controller_model.h": ("controller.h", "controller_backend.c", "controller_restore.c", "controller_sample.c", "controller_settings.c"),
+    "controller_model.h": (
+        "controller.h",
+        "controller_backend.c",
+        "controller_restore.c",
+        "controller_sample.c",
+        "controller_settings.c",
+    ),
 }
 
 

@@ -19,7 +19,6 @@ from ..python_runtime import NetworkFile
 from ..variables import Variable
 from .onnx_graph import Chain, Layer, candidates, chain_to, require_same
 
-
 _LONGEST_LINE = 120
 
 
