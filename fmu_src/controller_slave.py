@@ -108,7 +108,7 @@ class PspController(TableSlave):
         if step_size <= 0.0:
             return True
         locate(end - self._start_time, self._value("T"))  # refuses more periods than can be counted
-        self._stale = True
+        self._stale, passed = True, self._sampled
         while not self._starts_later(end):
             if self._ahead is not None:
                 controller.now, self._ahead = self._ahead, None
@@ -116,7 +116,7 @@ class PspController(TableSlave):
                 try:
                     self._sample(controller)
                 except ModelError as error:
-                    if not self._instant() > current_time + TIME_TOLERANCE * self._value("T"):
+                    if self._sampled == passed:
                         raise
                     # the step ends here, where newer inputs may come, and the command held is shown
                     self._time, self._fresh = self._instant(), False

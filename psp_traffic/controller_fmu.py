@@ -154,7 +154,7 @@ class Platoon:
         raise RuntimeError(f"{function} of {self._name} failed with status {status} at t = {time:g} s: see its message")
 
     def decide(self) -> None:
-        """Hand `inputs` over at a sampling instant, step to the next and fetch `outputs`: what was decided at the instant.
+        """Hand `inputs` over at a sampling instant, step to the next, fetch `outputs`: the command decided there.
 
         Set, step, get is the order that FMI 2.0 (4.2.4) allows; get before step is not.
 

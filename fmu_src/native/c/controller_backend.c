@@ -51,7 +51,7 @@ static bool sample(Backend *backend)
     return decide(&model->part.settings, backend->front, time, &measured, &model->part.now, &backend->scratch);
 }
 
-/* Where an instant behind the beginning of the step is refused: the step ends there, where newer inputs may come, and the
+/* Where an instant behind another one of the step is refused: the step ends there, where newer inputs may come, and the
  * command held is shown. */
 static fmi2Status end_early(Backend *backend, double *reached)
 {
@@ -73,10 +73,10 @@ fmi2Status backend_do_step(Backend *backend, double from, double size, double *r
         return front_fail(backend->front, PSP_SENTENCE_periods, end - model->start_time, T);
     model->stale = 1;
     for (; instant(model) < end - TIME_TOLERANCE * T; part->sampled++) { /* at the end newer inputs may come */
-        backend->front->partly = instant(model) > from + TIME_TOLERANCE * T;
         if (!part->foreseen && !sample(backend)) return end_early(backend, reached);
         part->now = part->foreseen ? part->ahead : backend->scratch;
         part->foreseen = false;
+        backend->front->partly = true;
     }
     part->time = end;
     part->fresh = false;
