@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import replace
+from math import inf, nextafter
 from pathlib import Path
 from typing import Any
 
@@ -148,11 +149,19 @@ class PspPlatoon(TableSlave):
             if platoon.partway is not None:
                 platoon.now = platoon.partway
             # the outputs then show that instant, or the one that was refused
-            self._time = self._start_time + (platoon.now.period + platoon.now.fraction) * platoon.sampling.T
+            self._time = self._time_of(platoon)
             if platoon.partway is not None:
                 return self._discard(error)
             raise
         return True
+
+    def _time_of(self, platoon: SampledPlatoon) -> float:
+        """Time of the last instant [s]: a step that ends there passes it in spite of rounding."""
+        now, T, start = platoon.now, platoon.sampling.T, self._start_time
+        time = start + (now.period + now.fraction) * T
+        while locate(time - start, T) < (now.period, now.fraction):
+            time = nextafter(time, inf)
+        return time
 
     def _outputs(self, platoon: SampledPlatoon) -> list[float]:
         seen = platoon.observe(*locate(self._time - self._start_time, platoon.sampling.T))

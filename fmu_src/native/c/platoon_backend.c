@@ -25,6 +25,21 @@ void part_changed(Backend *backend) { (void)backend; } /* parameters are read wh
 
 /* time */
 
+/* Makes the last instant the communication point; its time [s], to which a step passes the instant in spite of rounding. */
+static double stay_at_instant(Model *model)
+{
+    Part *part = &model->part;
+    const Instant *now = &part->platoon.now;
+    const double T = part->platoon.T, start = model->start_time;
+    double time = start + ((double)now->period + now->fraction) * T, period;
+    for (;; time = nextafter(time, INFINITY)) {
+        period = locate(time - start, T, &part->fraction);
+        if (period > (double)now->period || (period == (double)now->period && part->fraction >= now->fraction)) break;
+    }
+    part->period = (int64_t)period;
+    return time;
+}
+
 fmi2Status backend_do_step(Backend *backend, double from, double size, double *reached)
 {
     Model *model = &backend->model;
@@ -37,9 +52,7 @@ fmi2Status backend_do_step(Backend *backend, double from, double size, double *r
     if (!(fabs(periods) < PERIODS_MAX)) front_fail(backend->front, PSP_SENTENCE_periods, time, platoon->T);
     else status = platoon_advance(platoon, backend->front, part->period = (int64_t)periods, part->fraction, &backend->scratch);
     if (status == fmi2OK) return status;
-    part->period = platoon->now.period; /* the outputs then show that instant */
-    part->fraction = platoon->now.fraction;
-    *reached = model->start_time + ((double)part->period + part->fraction) * platoon->T;
+    *reached = stay_at_instant(model); /* the outputs then show it, or the one that was refused */
     return status;
 }
 
