@@ -156,10 +156,15 @@ class PspPlatoon(TableSlave):
         return True
 
     def _time_of(self, platoon: SampledPlatoon) -> float:
-        """Time of the last instant [s]: a step that ends there passes it in spite of rounding."""
+        """Time of the last instant [s], to which a step passes it in spite of rounding.
+
+        An instant just behind a nominal one, as policy 3 has them, may have no time of its own.
+        """
         now, T, start = platoon.now, platoon.sampling.T, self._start_time
         time = start + (now.period + now.fraction) * T
-        while locate(time - start, T) < (now.period, now.fraction):
+        for _ in range(4):
+            if locate(time - start, T) >= (now.period, now.fraction):
+                break
             time = nextafter(time, inf)
         return time
 

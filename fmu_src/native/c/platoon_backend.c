@@ -25,16 +25,17 @@ void part_changed(Backend *backend) { (void)backend; } /* parameters are read wh
 
 /* time */
 
-/* Makes the last instant the communication point; its time [s], to which a step passes the instant in spite of rounding. */
+/* Makes the last instant the communication point; its time [s], to which a step passes the instant in spite of rounding.
+ * An instant just behind a nominal one, as policy 3 has them, may have no time of its own. */
 static double stay_at_instant(Model *model)
 {
     Part *part = &model->part;
     const Instant *now = &part->platoon.now;
     const double T = part->platoon.T, start = model->start_time;
-    double time = start + ((double)now->period + now->fraction) * T, period;
-    for (;; time = nextafter(time, INFINITY)) {
+    double time = start + ((double)now->period + now->fraction) * T, period = locate(time - start, T, &part->fraction);
+    for (int tries = 0; tries < 4 && period == (double)now->period && part->fraction < now->fraction; tries++) {
+        time = nextafter(time, INFINITY);
         period = locate(time - start, T, &part->fraction);
-        if (period > (double)now->period || (period == (double)now->period && part->fraction >= now->fraction)) break;
     }
     part->period = (int64_t)period;
     return time;
