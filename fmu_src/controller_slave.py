@@ -181,7 +181,8 @@ class PspController(TableSlave):
             settings = self._settings()
         next_instant = start + values[self._place["phase"]] + sampled * settings.sampling.T
         require(abs(next_instant - time) <= 2 * settings.sampling.T + 1e-12 * abs(time))  # or others pass without end
-        return found | {name: state[name] and _unpack(state[name], settings) for name in ("now", "ahead")}
+        ahead = None if state["ahead"] is None else _unpack(state["ahead"], settings)
+        return found | {"now": _unpack(state["now"], settings), "ahead": ahead}
 
 
 def _pack(command: Command) -> dict[str, Any]:

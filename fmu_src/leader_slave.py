@@ -65,4 +65,8 @@ class PspLeader(TableSlave):
 
     def _restore(self, data: Any) -> dict[str, Any]:
         state = record(data, (*_SAVED, "ready"))
-        return restored_basics(state, self._integers) | {"ready": flag(state["ready"])}
+        found = restored_basics(state, self._integers) | {"ready": flag(state["ready"])}
+        if found["ready"]:
+            with self._with_values(found["_values"]):
+                self._initialise()  # raises where the parameters cannot have been taken
+        return found
