@@ -101,13 +101,12 @@ def _compiled(component: str, folder: Path) -> Path:
     for name, content in (fmi_headers() | sources).items():
         (folder / name).write_bytes(content)
     shutil.copy(Path(__file__).parent / "forged_states.c", folder)
+    compiler = shutil.which("gcc") or shutil.which("clang")
     checks = ["-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-recover=all"]
-    for compiler in [which] if (which := shutil.which("gcc") or shutil.which("clang")) else []:
-        command = [compiler, "-std=gnu11", "-O1", "-g", *checks, "-o", "forged", *_files(folder), "-lm"]
-        if subprocess.run(command, cwd=folder, capture_output=True, check=False).returncode == 0:
-            return folder / "forged"
-    command = [sys.executable, "-m", "ziglang", "cc", "-std=gnu11", "-O1", "-fsanitize=undefined", "-o", "forged"]
-    subprocess.run([*command, *_files(folder), "-lm"], cwd=folder, check=True)  # UBSan alone comes with it
+    command = [str(compiler), "-std=gnu11", "-O1", "-g", *checks, "-o", "forged", *_files(folder), "-lm"]
+    if compiler is None or subprocess.run(command, cwd=folder, capture_output=True, check=False).returncode:
+        command = [sys.executable, "-m", "ziglang", "cc", "-std=gnu11", "-O1", "-fsanitize=undefined", "-o", "forged"]
+        subprocess.run([*command, *_files(folder), "-lm"], cwd=folder, check=True)  # UBSan alone comes with it
     return folder / "forged"
 
 
