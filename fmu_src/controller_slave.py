@@ -9,17 +9,17 @@ from typing import Any
 
 import numpy as np
 
+from psp_model.clock import Clock
 from psp_model.controller import BadMeasurement, Command, ControllerSettings, Measurement, SampledController
 from psp_model.errors import ModelError
 from psp_model.network import read_networks
-from psp_model.platoon import TIME_TOLERANCE, locate
 
 from .controller_variables import controller_table
-from .state_check import bound, count, flag, number, potential, record, require, variables, vector
+from .state_check import bound, clock, count, flag, number, potential, record, require, variables, vector
 from .table_slave import LONGEST, TableSlave, logged
 from .variables import Variable
 
-_SAVED = ("_values", "_start_time", "_time", "_initialising", "_sampled", "_set_at", "_fresh")
+_SAVED = ("_values", "_clock", "_initialising", "_sampled", "_set_at", "_fresh")
 
 
 class PspController(TableSlave):
@@ -37,7 +37,7 @@ class PspController(TableSlave):
         self._networks = read_networks(Path(self.resources), self._config["networks"])
         self._ahead: Command | None = None  # the decision at the instant that the current point is, if one is known
         self._sampled = 0  # instants that lie in the past
-        self._set_at = 0.0  # [s] when gaps or speeds were last set
+        self._set_at = 0.0  # [sampling periods] since the first sampling instant, when gaps or speeds were last set
         self._fresh = True  # inputs were set at this communication point
 
     def _make_table(self) -> tuple[Variable, ...]:
@@ -46,17 +46,15 @@ class PspController(TableSlave):
     def _changed(self, inputs: bool) -> None:
         super()._changed(inputs)
         self._ahead, self._stale, self._fresh = None, True, True
-        self._set_at = self._time
+        self._set_at = self._here()
 
     # initialisation
 
-    @logged
-    def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
-        super().setup_experiment(start_time, stop_time, tolerance)
-        self._set_at = start_time  # what was set before belongs to the start
-
     def _initialise(self) -> SampledController:
-        return SampledController(self._settings(), self._networks, self._warn)
+        settings = self._settings()
+        self._clock = Clock.begin(self._clock.time, self._value("phase"), settings.sampling.T)
+        self._set_at = self._here()  # what was set before belongs to the start
+        return SampledController(settings, self._networks, self._warn)
 
     def _settings(self) -> ControllerSettings:
         """What the parameters say, checked."""
@@ -79,37 +77,38 @@ class PspController(TableSlave):
 
     # time
 
-    def _instant(self) -> float:
-        """Time of the next sampling instant [s]."""
-        return self._start_time + self._value("phase") + self._sampled * self._value("T")
-
-    def _due(self, time: float) -> bool:
-        """Whether the next sampling instant is at this time or before it."""
-        return self._instant() <= time + TIME_TOLERANCE * self._value("T")
+    def _here(self) -> float:
+        """The communication point [sampling periods] since the first sampling instant."""
+        period, fraction = self._clock.at()
+        return period + fraction
 
     def _sample(self, controller: SampledController) -> None:
-        n, time, taken = self.vehicles, self._instant(), self._value("t_measured")
-        desired = self._value("v_desired")
+        """Decide at the next sampling instant from the inputs as they are now."""
+        n, taken, desired, T = self.vehicles, self._value("t_measured"), self._value("v_desired"), self._value("T")
+        time = self._clock.time_of(self._sampled, T)
+        age = (self._sampled - self._set_at) * T if taken < 0 else time - taken
         measured = Measurement(
             s=np.array(self._numbers("s", 2, n)),
             v=np.array(self._numbers("v", 1, n)),
             n_active=self._value("n_active"),
             resolve=self._value("resolve"),
-            age=time - (self._set_at if taken < 0 else taken),
-            v_desired=None if desired < 0 else desired,
+            age=age,
+            age_rounding=self._clock.age_rounding(age, T),
+            v_desired=None if desired <= -1 else desired,
         )
         controller.sample(time, measured)
 
     @logged
     def do_step(self, current_time: float, step_size: float) -> bool:
         self._require_here(current_time, step_size)
-        controller, end = self._part, current_time + step_size
+        controller = self._part
         assert controller is not None
         if step_size <= 0.0:
             return True
-        locate(end - self._start_time, self._value("T"))  # refuses more periods than can be counted
+        clock = self._clock.after(current_time, step_size, self._value("T"))
+        period, fraction = clock.at()
         self._stale, passed = True, self._sampled
-        while not self._starts_later(end):
+        while self._sampled < period + (fraction > 0.0):  # at the end of the step newer inputs may come
             if self._ahead is not None:
                 controller.now, self._ahead = self._ahead, None
             else:
@@ -119,19 +118,17 @@ class PspController(TableSlave):
                     if self._sampled == passed:
                         raise
                     # the step ends here, where newer inputs may come, and the command held is shown
-                    self._time, self._fresh = self._instant(), False
+                    T = self._value("T")
+                    size = self._clock.time_of(self._sampled, T) - current_time
+                    self._clock, self._fresh = self._clock.after(current_time, size, T), False
                     return self._discard(error)
             self._sampled += 1
-        self._time, self._fresh = end, False
+        self._clock, self._fresh = clock, False
         return True
-
-    def _starts_later(self, end: float) -> bool:
-        """Whether the next instant is at the end of the step or behind it, where newer inputs may come."""
-        return self._instant() >= end - TIME_TOLERANCE * self._value("T")
 
     def _decided(self, controller: SampledController) -> Command:
         """The command to show: that of this instant, if it is one and inputs were set here, else the one held."""
-        if not (self._fresh and self._due(self._time)):
+        if not self._fresh or self._sampled > self._clock.at()[0]:
             return controller.now
         if self._ahead is None:
             trial = copy(controller)
@@ -157,10 +154,10 @@ class PspController(TableSlave):
         for name in _SAVED:
             setattr(self, name, state[name])
         self._values, self._ahead, self._stale = list(state["_values"]), state["ahead"], True
-        self._part = None
+        self._clock, self._part = Clock(*state["_clock"]), None
         if state["now"] is not None:
-            self._part = self._initialise()
-            self._part.now = state["now"]
+            clock, self._part = self._clock, self._initialise()
+            self._clock, self._set_at, self._part.now = clock, state["_set_at"], state["now"]
 
     @staticmethod
     def _as_json(state: dict[str, Any]) -> dict[str, Any]:
@@ -169,18 +166,16 @@ class PspController(TableSlave):
     def _restore(self, data: Any) -> dict[str, Any]:
         state = record(data, (*_SAVED, "now", "ahead"))
         values = variables(state["_values"], self._integers)
-        start, time, set_at = (number(state[name]) for name in ("_start_time", "_time", "_set_at"))
-        sampled = count(state["_sampled"])
-        require(set_at <= time)
-        found = {"_start_time": start, "_time": time, "_set_at": set_at, "_sampled": sampled, "_values": values}
+        here, set_at, sampled = clock(state["_clock"]), number(state["_set_at"]), count(state["_sampled"])
+        require(set_at <= here.period + here.offset + 1.0)
+        found = {"_clock": here, "_set_at": set_at, "_sampled": sampled, "_values": values}
         found |= {name: flag(state[name]) for name in ("_initialising", "_fresh")}
         require(state["now"] is not None or state["ahead"] is None)
         if state["now"] is None:
             return found | {"now": None, "ahead": None}
         with self._with_values(values[: self._first_output]):
             settings = self._settings()
-        next_instant = start + values[self._place["phase"]] + sampled * settings.sampling.T
-        require(abs(next_instant - time) <= 2 * settings.sampling.T + 1e-12 * abs(time))  # or others pass without end
+        require(abs(sampled - here.period) <= 2)  # or a step would pass others without end
         ahead = None if state["ahead"] is None else _unpack(state["ahead"], settings)
         return found | {"now": _unpack(state["now"], settings), "ahead": ahead}
 

@@ -8,6 +8,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
+from psp_model.clock import Clock
 from psp_model.errors import ModelError
 from psp_model.leader import Profile, Wave, read_profile
 
@@ -16,7 +17,8 @@ from .state_check import flag, record, restored_basics
 from .table_slave import TableSlave, logged
 from .variables import Variable
 
-_SAVED = ("_values", "_start_time", "_time", "_initialising")
+_SAVED = ("_values", "_clock", "_initialising")
+_SECOND = 1.0  # [s] the period of its clock: it samples nothing, but meets whole seconds as others meet instants
 
 
 class PspLeader(TableSlave):
@@ -41,12 +43,12 @@ class PspLeader(TableSlave):
         return lambda time: profile.speed(time - begin)
 
     def _outputs(self, speed: Callable[[float], float]) -> list[float]:
-        return [speed(self._time - self._start_time)]
+        return [speed((self._clock.period + self._clock.offset) * _SECOND)]
 
     @logged
     def do_step(self, current_time: float, step_size: float) -> bool:
         self._require_here(current_time, step_size)
-        self._time, self._stale = current_time + step_size, True
+        self._clock, self._stale = self._clock.after(current_time, step_size, _SECOND), True
         return True
 
     def _state(self) -> dict[str, Any]:
@@ -56,7 +58,7 @@ class PspLeader(TableSlave):
     def _become_state(self, state: dict[str, Any]) -> None:
         for name in _SAVED:
             setattr(self, name, state[name])
-        self._values, self._stale = list(state["_values"]), True
+        self._values, self._clock, self._stale = list(state["_values"]), Clock(*state["_clock"]), True
         self._part = self._initialise() if state["ready"] else None
 
     @staticmethod

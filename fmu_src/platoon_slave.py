@@ -17,12 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from psp_model.choose import ParameterSource, choose_for_any_number, outside_domain
+from psp_model.clock import Clock
 from psp_model.errors import ModelError
 from psp_model.feasible import require_feasible
 from psp_model.membership import OpenPlatoon, Refusal
 from psp_model.network import read_networks
 from psp_model.parameters import PlatoonParameters, PotentialParameters
-from psp_model.platoon import SampledPlatoon, locate
+from psp_model.platoon import SampledPlatoon
 from psp_model.state import PlatoonState, StartDomain
 
 from .slave_state import Description, Members, SlaveState, from_json, to_json
@@ -100,7 +101,7 @@ class PspPlatoon(TableSlave):
         insert, remove = values[self._insert], values[self._remove]
         if insert == before.insert and remove == before.remove:
             return
-        at = locate(self._time - self._start_time, self._value("T"))
+        at = self._clock.at()
         if remove > 0.5 and not before.remove > 0.5:
             self._make(lambda road: road.remove(self._value("remove_place"), *at))
         if insert > 0.5 and not before.insert > 0.5:
@@ -140,36 +141,23 @@ class PspPlatoon(TableSlave):
             self._make_changes()
         platoon = self._part
         assert platoon is not None
-        time = current_time + step_size
+        before = self._clock
         self._stale = True
-        self._time = time
         try:
-            platoon.advance_to(*locate(time - self._start_time, platoon.sampling.T))
+            self._clock = before.after(current_time, step_size, platoon.sampling.T)
+            platoon.advance_to(*self._clock.at())
         except ModelError as error:
-            if platoon.partway is not None:
+            if platoon.partway is not None:  # the outputs then show the last instant that was in order
                 platoon.now = platoon.partway
-            # the outputs then show that instant, or the one that was refused
-            self._time = self._time_of(platoon)
-            if platoon.partway is not None:
+                self._clock = _gone_back(platoon, before, current_time)
                 return self._discard(error)
+            # the outputs then show the instant that was refused
+            self._clock = self._clock._replace(period=platoon.now.period, offset=platoon.now.fraction)
             raise
         return True
 
-    def _time_of(self, platoon: SampledPlatoon) -> float:
-        """Time of the last instant [s], to which a step passes it in spite of rounding.
-
-        An instant just behind a nominal one, as policy 3 has them, may have no time of its own.
-        """
-        now, T, start = platoon.now, platoon.sampling.T, self._start_time
-        time = start + (now.period + now.fraction) * T
-        for _ in range(4):
-            if locate(time - start, T) >= (now.period, now.fraction):
-                break
-            time = nextafter(time, inf)
-        return time
-
     def _outputs(self, platoon: SampledPlatoon) -> list[float]:
-        seen = platoon.observe(*locate(self._time - self._start_time, platoon.sampling.T))
+        seen = platoon.observe(*self._clock.at())
         parts = [part.tolist() for part in (seen.x, seen.v, seen.a, seen.s)]
         if missing := [0.0] * (self.vehicles - seen.v.size):
             parts = [part + missing for part in parts]
@@ -189,8 +177,7 @@ class PspPlatoon(TableSlave):
     def _state(self) -> Any:
         return SlaveState(
             values=tuple(self._values[: self._first_output]),
-            start_time=self._start_time,
-            time=self._time,
+            clock=self._clock,
             in_domain=self._in_domain,
             initialising=self._initialising,
             members=self._members,
@@ -199,7 +186,7 @@ class PspPlatoon(TableSlave):
 
     def _become_state(self, state: Any) -> None:
         self._values[: self._first_output] = state.values
-        self._start_time, self._time, self._in_domain = state.start_time, state.time, state.in_domain
+        self._clock, self._in_domain = state.clock, state.in_domain
         self._initialising, self._stale = state.initialising, True
         self._become(state.members)
         self._part = copy(state.platoon)
@@ -214,3 +201,18 @@ class PspPlatoon(TableSlave):
                 return self._describe()
 
         return from_json(data, self._integers[: self._first_output], self.vehicles, describe)
+
+
+def _gone_back(platoon: SampledPlatoon, before: Clock, begin: float) -> Clock:
+    """The clock at the last instant, at a time to which a step from `begin` passes that instant in spite of rounding.
+
+    An instant just behind a nominal one, as policy 3 has them, may have no time of its own.
+    """
+    now, T, (period, fraction) = platoon.now, platoon.sampling.T, before.at()
+    time = before.time + (now.period - period + (now.fraction - fraction)) * T
+    for _ in range(5):
+        clock = before.after(begin, time - begin, T)
+        if clock.at() >= (now.period, now.fraction):
+            break
+        time = nextafter(time, inf)
+    return clock

@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from psp_model.clock import Clock
 from psp_model.parameters import ObjectiveWeights
-from psp_model.platoon import TIME_TOLERANCE, Instant, SampledPlatoon, Sampling, locate
+from psp_model.platoon import TIME_TOLERANCE, Instant, SampledPlatoon, Sampling
 from psp_model.state import PlatoonState
 
-from .state_check import bound, count, flag, number, potential, record, require, variables, vector
+from .state_check import bound, clock, count, flag, number, potential, record, require, variables, vector
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ class SlaveState:
     Attributes
     ----------
     values : the parameters and inputs, in the order of the table
-    start_time, time : start and last communication point [s]
+    clock : where the last communication point is
     in_domain : 1.0 if the vehicles were in the network's domain when the potential was chosen
     initialising : whether in initialisation mode
     members : which vehicles there are
@@ -65,15 +66,14 @@ class SlaveState:
     """
 
     values: tuple[float, ...]
-    start_time: float
-    time: float
+    clock: Clock
     in_domain: float
     initialising: bool
     members: Members
     platoon: SampledPlatoon | None
 
 
-_PLAIN = ("values", "start_time", "time", "in_domain", "initialising")
+_PLAIN = ("values", "clock", "in_domain", "initialising")
 
 
 def to_json(state: SlaveState) -> dict[str, Any]:
@@ -123,16 +123,16 @@ def from_json(
     ValueError : where no run can come to such a state
     """
     fields = record(data, (*_PLAIN, "members", "platoon"))
-    values, start_time, time = variables(fields["values"], integers), number(fields["start_time"]), fields["time"]
+    values, here = variables(fields["values"], integers), clock(fields["clock"])
     in_domain, packed = number(fields["in_domain"]), fields["platoon"]
     require(in_domain in (0.0, 1.0))
     platoon, vehicles = None, 0
     if packed is not None:
         platoon = _unpack(packed, capacity, describe(values))
         vehicles = platoon.now.v.size
-        _require_here(platoon, number(time) - start_time)
+        _require_here(platoon, here)
     members = _members(fields["members"], vehicles)
-    return SlaveState(values, start_time, number(time), in_domain, flag(fields["initialising"]), members, platoon)
+    return SlaveState(values, here, in_domain, flag(fields["initialising"]), members, platoon)
 
 
 def _members(data: Any, vehicles: int) -> Members:
@@ -186,8 +186,8 @@ def _unpack(data: Any, capacity: int, described: Description) -> SampledPlatoon:
     return SampledPlatoon.resume(described.start, shape, described.weights, described.sampling, instant)
 
 
-def _require_here(platoon: SampledPlatoon, time: float) -> None:
-    """A time [s] since the start between the last instant and the next, to a period: others would pass without end."""
-    period, fraction = locate(time, platoon.sampling.T)
+def _require_here(platoon: SampledPlatoon, here: Clock) -> None:
+    """A time between the last instant and the next, to a period: others would pass without end."""
+    period, fraction = here.at()
     since = period - platoon.now.period + fraction - platoon.now.fraction
     require(-1.0 <= since <= 1.0 + TIME_TOLERANCE)

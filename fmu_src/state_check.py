@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from psp_model.clock import Clock
 from psp_model.parameters import ALPHA_MAX, ALPHA_MIN, P_MAX, P_MIN, V_OLD, PlatoonParameters, PotentialParameters
 from psp_model.platoon import MOST_PERIODS
 
@@ -55,6 +56,19 @@ def count(value: Any, least: int = 0) -> int:
     return int(value)
 
 
+def clock(value: Any) -> Clock:
+    """Where the last communication point is.
+
+    Parameters
+    ----------
+    value : from JSON, the fields of a clock in their order
+    """
+    require(isinstance(value, list) and len(value) == len(Clock._fields))
+    first, time, period, offset, last, doubt = value
+    require(type(period) is int and abs(period) < MOST_PERIODS and abs(number(offset)) <= 1.0)
+    return Clock(number(first), number(time), period, number(offset), number(last, 0.0), number(doubt, 0.0))
+
+
 def vector(value: Any, size: int) -> Vector:
     """Finite numbers, (size,)."""
     require(isinstance(value, list) and len(value) == size)
@@ -96,7 +110,7 @@ def potential(value: Any, constants: PlatoonParameters, old: bool) -> PotentialP
 
 
 def restored_basics(state: dict[str, Any], integers: Sequence[bool]) -> dict[str, Any]:
-    """What the states of plant and leader share: values of all variables, start and time [s], whether initialising.
+    """What the states of plant and leader share: values of all variables, the clock, whether initialising.
 
     Parameters
     ----------
@@ -105,7 +119,6 @@ def restored_basics(state: dict[str, Any], integers: Sequence[bool]) -> dict[str
     """
     return {
         "_values": variables(state["_values"], integers),
-        "_start_time": number(state["_start_time"]),
-        "_time": number(state["_time"]),
+        "_clock": clock(state["_clock"]),
         "_initialising": flag(state["_initialising"]),
     }

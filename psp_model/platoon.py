@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .callbacks import Warns, silent
 from .errors import ModelError
 from .feedback import feedback
 from .lemma1 import largest_period, violation
@@ -134,7 +135,7 @@ def locate(time: float, T: float) -> tuple[int, float]:
 
 
 @dataclass
-class SampledPlatoon:
+class SampledPlatoon(Warns):
     """n vehicles under sampled-data feedback; what happens at the sampling instants does not depend on who looks when.
 
     Attributes
@@ -143,7 +144,8 @@ class SampledPlatoon:
     shape : the potential in use
     weights : of the objective
     sampling : period and policy
-    warn : called with the sentence when policy 2 meets the first uncertified instant of a stretch
+    warn : called with the sentence when policy 2 meets the first uncertified instant of a stretch; a pickle keeps it
+        where pickle can
     now : the last sampling instant
     partway : where `advance_to` was refused behind another instant that it had passed, the last one that was in order
 
@@ -156,7 +158,7 @@ class SampledPlatoon:
     shape: PotentialParameters
     weights: ObjectiveWeights = field(default_factory=ObjectiveWeights)
     sampling: Sampling = field(default_factory=Sampling)
-    warn: Callable[[str], None] = lambda sentence: None
+    warn: Callable[[str], None] = silent
     now: Instant = field(init=False)
     partway: Instant | None = field(init=False, default=None)
 
@@ -181,7 +183,7 @@ class SampledPlatoon:
         """
         platoon = cls.__new__(cls)
         platoon.start, platoon.shape, platoon.weights, platoon.sampling = start, shape, weights, sampling
-        platoon.warn = lambda sentence: None
+        platoon.warn = silent
         platoon.now = now
         return platoon
 

@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .errors import TrafficError
+
 Vector = NDArray[np.float64]
 
 _OTHERS = ("n_active", "resolve", "v_desired", "t_measured")  # inputs behind gaps and speeds
@@ -49,10 +51,10 @@ class ControllerFmu:
 
         Raises
         ------
-        ValueError : where they do not
+        TrafficError : where they do not
         """
         if vehicles > self.capacity:
-            raise ValueError(
+            raise TrafficError(
                 f"{vehicles} vehicles do not fit: this controller is for {self.capacity} at most, build one with "
                 f"build_fmu.py --component controller --vehicles {vehicles}"
             )
@@ -151,7 +153,7 @@ class Platoon:
 
     def _fail(self, function: str, status: int) -> None:
         time = self._step * self.T
-        raise RuntimeError(f"{function} of {self._name} failed with status {status} at t = {time:g} s: see its message")
+        raise TrafficError(f"{function} of {self._name} failed with status {status} at t = {time:g} s: see its message")
 
     def decide(self) -> None:
         """Hand `inputs` over at a sampling instant, step to the next, fetch `outputs`: the command decided there.
@@ -160,7 +162,7 @@ class Platoon:
 
         Raises
         ------
-        RuntimeError : where the FMU fails; its message has gone to Python's logging
+        TrafficError : where the FMU fails; its message has gone to Python's logging
         """
         if (status := self._set_inputs()) > _WARNING:
             self._fail("fmi2SetReal", status)

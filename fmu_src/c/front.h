@@ -33,6 +33,9 @@ typedef struct {
     double time;         /* the current communication point [s] */
     double stop;         /* [s], if has_stop */
     double last_success; /* [s] where the last step ended, or how far it got */
+    double start;        /* [s] */
+    double elapsed;      /* sum of the steps [s] */
+    uint64_t steps;
     uint32_t mode;
     uint32_t has_stop;
     uint32_t last_step;

@@ -181,7 +181,8 @@ static bool can_be(const Header *header)
                                                   IN_ERROR;
     return header->reserved == 0 && (mode & modes) == mode && mode != 0 && (mode & (mode - 1)) == 0 &&
            progress->has_stop <= 1 && progress->setup <= 1 && progress->last_step <= fmi2Error &&
-           isfinite(progress->time) && isfinite(progress->last_success) && progress->last_success >= progress->time &&
+           isfinite(progress->time) && isfinite(progress->start) && progress->elapsed >= 0.0 && isfinite(progress->elapsed) && progress->steps < UINT64_C(1) << 53 &&
+           isfinite(progress->last_success) && progress->last_success >= progress->time &&
            !isnan(progress->stop);
 }
 

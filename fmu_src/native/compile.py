@@ -12,6 +12,8 @@ from tempfile import TemporaryDirectory
 
 import fmpy
 
+from ..errors import BuildError
+
 FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"
 SOURCES = Path(__file__).parents[1] / "c"  # what both FMUs share
 FRONT = (
@@ -44,13 +46,11 @@ def host_platform() -> str:
 
     Raises
     ------
-    RuntimeError : on machines that none of the platforms runs on
+    BuildError : on machines that none of the platforms runs on
     """
     name = {"Linux": "linux64", "Windows": "win64", "Darwin": "darwin64"}.get(system())
     if name is None or (name != "darwin64" and machine() not in ("x86_64", "AMD64")):
-        raise RuntimeError(
-            f"there is no native FMU for {system()} on {machine()}: build with --platforms all elsewhere"
-        )
+        raise BuildError(f"there is no native FMU for {system()} on {machine()}: build with --platforms all elsewhere")
     return name
 
 
@@ -97,7 +97,7 @@ def _compile_one(target: str, folder: Path, sources: Sequence[str], name: str, e
     command += ["-o", str(library.relative_to(folder)), *sources]
     command += ["-flto", "-lm", "-ldl", "-Wl,--as-needed"] if ending == "so" else []
     if subprocess.run(command, cwd=folder, check=False).returncode:
-        raise RuntimeError(f"the C compiler failed for {target}, its messages are above: mend what they name")
+        raise BuildError(f"the C compiler failed for {target}, its messages are above: mend what they name")
     return library.read_bytes()
 
 

@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 
 import onnx
-from psp_model.errors import SENTENCES
+from psp_model import errors
 from psp_model.network import DICTIONARY, PARAMETERS, SCORES
 from psp_model.parameters import ALPHA_MAX, ALPHA_MIN, P_MAX, P_MIN
 
+from ..errors import SENTENCES, BuildError
 from ..python_runtime import NetworkFile
 from ..variables import Variable
 from .onnx_graph import Chain, Layer, candidates, chain_to, require_same
@@ -65,7 +66,8 @@ def model_header(
         defines[group] = next(iter(members))[0]
     lines = ["#ifndef PSP_MODEL_H", "#define PSP_MODEL_H", ""]
     lines += [f"#define PSP_{name} {value}" for name, value in defines.items()]
-    lines += ["", *(f"#define PSP_SENTENCE_{key} {_text(sentence)}" for key, sentence in SENTENCES.items())]
+    sentences = errors.SENTENCES | SENTENCES
+    lines += ["", *(f"#define PSP_SENTENCE_{key} {_text(sentence)}" for key, sentence in sentences.items())]
     return "/* Written by fmu_src/native/tables.py. */\n" + "\n".join([*lines, "", "#endif", ""])
 
 
@@ -115,13 +117,13 @@ def _tables(name: str, network: NetworkFile) -> tuple[list[str], int, int]:
 
     Raises
     ------
-    RuntimeError : where the network holds something that the C code does not know
+    BuildError : where the network holds something that the C code does not know
     """
     try:
         return _checked_tables(name, network)
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         remedy = "export it with psp train, or build with --runtime python"
-        raise RuntimeError(f"the network file {network.name} cannot go into C ({error}): {remedy}") from None
+        raise BuildError(f"the network file {network.name} cannot go into C ({error})", remedy) from None
 
 
 def _checked_tables(name: str, network: NetworkFile) -> tuple[list[str], int, int]:

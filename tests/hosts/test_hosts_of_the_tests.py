@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from build_fmu import main as build
+from hosts import table
 from hosts.table import difference, reference
 
 
@@ -33,3 +34,15 @@ def test_the_native_fmu_runs_as_the_model_says(native, driver, tolerance):
         pytest.skip("ecos needs libtbb12")
     _, worst = difference(Path(sys.executable), driver, native, reference())
     assert float(worst) <= tolerance
+
+
+def test_a_host_that_cannot_be_installed_has_a_row_that_says_so(monkeypatch, tmp_path):
+    def nothing(packages, folder):
+        raise OSError(f"{packages[0]} cannot be installed")
+
+    monkeypatch.setattr(table, "environment", nothing)
+    assert table.row("omsimulator_host", ["OMSimulator"], tmp_path, tmp_path, {}) == (
+        "",
+        "OMSimulator cannot be installed",
+        "",
+    )

@@ -22,7 +22,7 @@ from harness import ERROR, OK, Instance, Unpacked
 from native.conftest import built
 
 SUM, SUMMED, SIZE, PROGRESS = 8, 16, 24, 40  # places in the header (fmu_src/c/front_state.c)
-HEADER = PROGRESS + 3 * 8 + 4 * 4
+HEADER = PROGRESS + 6 * 8 + 4 * 4
 SENTENCE = "a state that no run can come to, though its checksum fits"
 CHOSEN = {"parameter_source": 2}
 
@@ -63,13 +63,16 @@ def honest(instance: Instance) -> bytes:
 # the header ------------------------------------------------------------------------------------------------------
 
 FORGED = [
-    *(("mode", place, "<I", value) for place in [PROGRESS + 24] for value in (0, 3, 12, 63, 64, 128, 2**32 - 1)),
-    *(("has_stop", PROGRESS + 28, "<I", value) for value in (2, 2**31)),
-    *(("last_step", PROGRESS + 32, "<I", value) for value in (4, 5, 2**32 - 1)),
-    *(("setup", PROGRESS + 36, "<I", value) for value in (2, 255)),
+    *(("mode", place, "<I", value) for place in [PROGRESS + 48] for value in (0, 3, 12, 63, 64, 128, 2**32 - 1)),
+    *(("has_stop", PROGRESS + 52, "<I", value) for value in (2, 2**31)),
+    *(("last_step", PROGRESS + 56, "<I", value) for value in (4, 5, 2**32 - 1)),
+    *(("setup", PROGRESS + 60, "<I", value) for value in (2, 255)),
     *(("time", PROGRESS, "<d", value) for value in (float("nan"), float("inf"), 1e15)),
     ("stop", PROGRESS + 8, "<d", float("nan")),
     *(("last_success", PROGRESS + 16, "<d", value) for value in (float("nan"), float("-inf"), -1.0)),
+    *(("start", PROGRESS + 24, "<d", value) for value in (float("nan"), float("inf"))),
+    *(("elapsed", PROGRESS + 32, "<d", value) for value in (float("nan"), float("inf"), -1.0)),
+    ("steps", PROGRESS + 40, "<Q", 2**64 - 1),
     ("reserved", PROGRESS - 4, "<I", 1),
 ]
 

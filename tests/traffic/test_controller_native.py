@@ -11,7 +11,7 @@ import pytest
 from harness import ERROR, OK, WARNING, Instance, Unpacked, random_start
 
 T, N = 0.01, 7
-BAD_VALUES = (nan, inf, -inf, -1.0, 0.0, 5.0, 35.001, 1e300)
+BAD_VALUES = (nan, inf, -inf, -1.0, -0.01, 0.0, 4.9, 5.0, 35.001, 1e300)
 BAD_PARAMETERS = [
     *({name: value} for name in ("a_max", "T", "L") for value in (nan, 0.0, inf)),
     *({name: nan} for name in ("a_min", "a_safe", "max_age", "phase", "p_fixed")),
@@ -48,7 +48,10 @@ def inputs(rng: np.random.Generator, time: float) -> dict[str, float]:
     named = {f"s[{i}]": float(gap) for i, gap in enumerate(s, start=2)}
     named |= {f"v[{i}]": float(speed) for i, speed in enumerate(v, start=1)}
     named |= {"n_active": float(n), "resolve": float(rng.integers(2)), "t_measured": float(rng.choice([-1.0, time]))}
-    named["v_desired"] = float(rng.choice([-1.0, rng.uniform(1.0, 34.0)]))
+    named["v_desired"] = float(rng.choice([-1.0, rng.uniform(0.0, 35.0), 0.0, 35.0, -1e-9, 35.0 + 1e-9, 1e-300]))
+    for name, bound in (("s[2]", 5.0), ("s[3]", 5.0), ("v[1]", 0.0), ("v[2]", 35.0)):
+        if name in named and rng.random() < 0.1:
+            named[name] = bound + float(rng.choice([0.0, -1e-15, 1e-12, -1e-9, 1e-7, -1e-7]))
     if rng.random() < 0.1:
         named[str(rng.choice(list(named)))] = float(rng.choice(BAD_VALUES))
     return named

@@ -19,12 +19,9 @@ static bool can_be_command(const Command *command, const Settings *settings)
 
 /* Whether the communication point is the one that the front remembers and the next sampling instant is near it, to a
  * period or two: a step from elsewhere would pass instants without end. */
-static bool can_be_here(const Part *part, const Progress *progress, double start_time)
+static bool can_be_here(const Part *part, const Progress *progress, const Clock *clock)
 {
-    const Settings *settings = &part->settings;
-    const double next = start_time + settings->phase + (double)part->sampled * settings->T;
-    const double slack = 2.0 * settings->T + 1e-12 * fabs(part->time);
-    return fabs(progress->time - part->time) <= slack && fabs(next - part->time) <= slack;
+    return fabs((double)(part->sampled - clock->period)) <= 2.0 && progress->time == clock->time;
 }
 
 bool part_restore(Model *model, const Progress *progress)
@@ -35,7 +32,7 @@ bool part_restore(Model *model, const Progress *progress)
     if (!state_is_flag(&part->fresh) || !state_is_flag(&part->foreseen)) return false;
     if (!part->foreseen) part->ahead = part->now; /* nobody reads it */
     if (!can_be_command(&part->now, &part->settings) || !can_be_command(&part->ahead, &part->settings)) return false;
-    if (!isfinite(part->time) || !(part->set_at <= part->time) || !isfinite(part->set_at)) return false;
+    if (!isfinite(part->set_at) || !(part->set_at <= (double)model->clock.period + model->clock.offset + 1.0)) return false;
     if (!state_is_count((double)part->sampled, 0.0)) return false;
-    return progress->mode != STEP_COMPLETE || can_be_here(part, progress, model->start_time);
+    return progress->mode != STEP_COMPLETE || can_be_here(part, progress, &model->clock);
 }

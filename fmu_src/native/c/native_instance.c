@@ -47,7 +47,7 @@ fmi2Status backend_terminate(Backend *backend)
 fmi2Status backend_setup(Backend *backend, const double *tolerance, double start, const double *stop)
 {
     (void)tolerance, (void)stop;
-    backend->model.start_time = start;
+    clock_begin(&backend->model.clock, start, 0.0, 1.0);
     return fmi2OK;
 }
 

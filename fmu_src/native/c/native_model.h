@@ -2,6 +2,7 @@
 #ifndef PSP_NATIVE_MODEL_H
 #define PSP_NATIVE_MODEL_H
 
+#include "clock.h"
 #include "front.h"
 #include "psp_model.h" /* generated: the table of variables, sentences, and PSP_COMPONENT, the component's header */
 
@@ -10,7 +11,7 @@
 /* The whole state of an instance; a saved state is a copy of it. */
 typedef struct {
     double values[PSP_COUNT]; /* by value reference: parameters and inputs as set, outputs as last computed */
-    double start_time;        /* [s] */
+    Clock clock;              /* before initialisation it stands at the start */
     int32_t initialising;
     int32_t ready; /* the part is what the parameters describe */
     int32_t stale; /* the outputs in values lag behind the part */

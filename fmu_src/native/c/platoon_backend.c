@@ -25,19 +25,23 @@ void part_changed(Backend *backend) { (void)backend; } /* parameters are read wh
 
 /* time */
 
-/* Makes the last instant the communication point; its time [s], to which a step passes the instant in spite of rounding.
- * An instant just behind a nominal one, as policy 3 has them, may have no time of its own. */
-static double stay_at_instant(Model *model)
+/* Makes the last instant the communication point of a step from `from`; its time [s], to which such a step passes the
+ * instant in spite of rounding: an instant just behind a nominal one, as policy 3 has them, may have no time of its own. */
+static double go_back(Model *model, const Clock *before, double from)
 {
     Part *part = &model->part;
     const Instant *now = &part->platoon.now;
-    const double T = part->platoon.T, start = model->start_time;
-    double time = start + ((double)now->period + now->fraction) * T, period = locate(time - start, T, &part->fraction);
-    for (int tries = 0; tries < 4 && period == (double)now->period && part->fraction < now->fraction; tries++) {
+    const double T = part->platoon.T;
+    double fraction;
+    const int64_t period = clock_at(before, &fraction);
+    double time = before->time + ((double)(now->period - period) + (now->fraction - fraction)) * T;
+    for (int tries = 0; tries < 5; tries++) {
+        model->clock = *before;
+        clock_pass(&model->clock, from, time - from, T);
+        part->period = clock_at(&model->clock, &part->fraction);
+        if (part->period > now->period || (part->period == now->period && part->fraction >= now->fraction)) break;
         time = nextafter(time, INFINITY);
-        period = locate(time - start, T, &part->fraction);
     }
-    part->period = (int64_t)period;
     return time;
 }
 
@@ -48,12 +52,21 @@ fmi2Status backend_do_step(Backend *backend, double from, double size, double *r
     Platoon *platoon = &part->platoon;
     model->stale = 1;
     if (size > 0.0 && !part_make_changes(part, backend->front, model->values)) return fmi2Error;
-    const double time = from + size - model->start_time, periods = locate(time, platoon->T, &part->fraction);
+    const Clock before = model->clock;
     fmi2Status status = fmi2Error;
-    if (!(fabs(periods) < PERIODS_MAX)) front_fail(backend->front, PSP_SENTENCE_periods, time, platoon->T);
-    else status = platoon_advance(platoon, backend->front, part->period = (int64_t)periods, part->fraction, &backend->scratch);
+    if (!clock_pass(&model->clock, from, size, platoon->T)) {
+        front_fail(backend->front, PSP_SENTENCE_periods, from + size - model->clock.first, platoon->T);
+    } else {
+        part->period = clock_at(&model->clock, &part->fraction);
+        status = platoon_advance(platoon, backend->front, part->period, part->fraction, &backend->scratch);
+    }
     if (status == fmi2OK) return status;
-    *reached = stay_at_instant(model); /* the outputs then show it, or the one that was refused */
+    if (status == fmi2Discard) { /* the outputs then show the last instant that was in order */
+        *reached = go_back(model, &before, from);
+        return status;
+    }
+    part->period = platoon->now.period; /* the outputs then show the instant that was refused */
+    part->fraction = platoon->now.fraction;
     return status;
 }
 

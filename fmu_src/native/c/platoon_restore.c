@@ -60,14 +60,16 @@ static bool can_be_members(const Members *members, int64_t n)
     return true;
 }
 
-/* Whether the communication point lies between the last sampling instant and the next, and is the one that the front
- * remembers, to a period: a step from elsewhere would pass instants without end. */
-static bool can_be_here(const Part *part, const Progress *progress, double start_time)
+/* Whether the communication point lies between the last sampling instant and the next, and the clock and the front
+ * stand there: a step from elsewhere would pass instants without end. */
+static bool can_be_here(const Part *part, const Progress *progress, const Clock *clock)
 {
     const Instant *now = &part->platoon.now;
-    const double here = (double)part->period + part->fraction, there = (progress->time - start_time) / part->platoon.T;
     const double since = (double)(part->period - now->period) + (part->fraction - now->fraction);
-    return -1.0 <= since && since <= 1.0 + TIME_TOLERANCE && fabs(there - here) <= 1.0 + 1e-12 * here;
+    double fraction;
+    const int64_t period = clock_at(clock, &fraction);
+    return -1.0 <= since && since <= 1.0 + TIME_TOLERANCE && period == part->period && fraction == part->fraction &&
+           progress->time == clock->time;
 }
 
 bool part_restore(Model *model, const Progress *progress)
@@ -80,5 +82,5 @@ bool part_restore(Model *model, const Progress *progress)
         !can_be_now(&platoon->now, platoon->constants.L, progress->mode == IN_ERROR) ||
         !can_be_members(&part->members, platoon->now.n) || (part->in_domain != 0.0 && part->in_domain != 1.0))
         return false;
-    return progress->mode != STEP_COMPLETE || can_be_here(part, progress, model->start_time);
+    return progress->mode != STEP_COMPLETE || can_be_here(part, progress, &model->clock);
 }
