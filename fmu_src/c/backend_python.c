@@ -264,9 +264,11 @@ static fmi2Status read_state(Backend *model, const char *bytes, size_t size, voi
 
 fmi2Status backend_read_state(Backend *model, const Progress *progress, const char *bytes, size_t size, void **state)
 {
-    const fmi2Status status = read_state(model, bytes, size, state);
+    fmi2Status status = read_state(model, bytes, size, state);
     (void)progress; /* the slave needs none of it to be safe: it raises no exception that it does not catch */
-    if (!model->dead && model->front->worst >= fmi2Error) backend_free_state(model, *state); /* it stands for nothing */
+    if (status != fmi2OK) return status;
+    status = backend_set_state(model, *state); /* our slaves check what was read, and do not set it */
+    if (!model->dead && model->front->worst >= fmi2Error) backend_free_state(model, *state);
     return status;
 }
 
