@@ -16,7 +16,7 @@ from psp_model.platoon import Sampling
 from psp_model.state import PlatoonState
 
 from .controller_variables import plant_table
-from .state_check import count, number, record, require, restored_basics, vector
+from .state_check import count, fresh, number, record, require, restored_basics, vector
 from .table_slave import TableSlave, logged
 from .variables import Variable
 
@@ -77,6 +77,7 @@ class PspPlant(TableSlave):
         state = record(data, (*_SAVED, "plant"))
         found = restored_basics(state, self._integers)
         if state["plant"] is None:
+            fresh(found["_clock"])
             return found | {"plant": None}
         plant = record(state["plant"], ("T", "period", "now"))
         now, T, period = record(plant["now"], ("x", "s", "v")), number(plant["T"]), count(plant["period"])

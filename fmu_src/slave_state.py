@@ -13,7 +13,7 @@ from psp_model.parameters import ObjectiveWeights
 from psp_model.platoon import TIME_TOLERANCE, Instant, SampledPlatoon, Sampling
 from psp_model.state import PlatoonState
 
-from .state_check import bound, clock, count, flag, number, potential, record, require, variables, vector
+from .state_check import bound, clock, count, flag, fresh, number, potential, record, require, variables, vector
 
 
 @dataclass(frozen=True)
@@ -127,7 +127,9 @@ def from_json(
     in_domain, packed = number(fields["in_domain"]), fields["platoon"]
     require(in_domain in (0.0, 1.0))
     platoon, vehicles = None, 0
-    if packed is not None:
+    if packed is None:
+        fresh(here)
+    else:
         platoon = _unpack(packed, capacity, describe(values))
         vehicles = platoon.now.v.size
         _require_here(platoon, here)

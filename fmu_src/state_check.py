@@ -69,6 +69,16 @@ def clock(value: Any) -> Clock:
     return Clock(number(first), number(time), period, number(offset), number(last, 0.0), number(doubt, 0.0))
 
 
+def fresh(here: Clock) -> None:
+    """Refuse a clock that has passed a step, where nothing has been made yet that could have passed it, too.
+
+    Parameters
+    ----------
+    here : the clock
+    """
+    require(-1.0 <= here.period + here.offset <= 0.0 and here.last == here.doubt == 0.0)
+
+
 def vector(value: Any, size: int) -> Vector:
     """Finite numbers, (size,)."""
     require(isinstance(value, list) and len(value) == size)

@@ -90,6 +90,7 @@
 #define clock_time_of PSP_NAME(clock_time_of)
 #define clock_age_rounding PSP_NAME(clock_age_rounding)
 #define clock_can_be PSP_NAME(clock_can_be)
+#define clock_is_fresh PSP_NAME(clock_is_fresh)
 #define feedback PSP_NAME(feedback)
 #define largest_period PSP_NAME(largest_period)
 #define pass_time PSP_NAME(pass_time)

@@ -69,6 +69,12 @@ bool clock_can_be(const Clock *clock)
            clock->doubt >= 0.0;
 }
 
+bool clock_is_fresh(const Clock *clock)
+{
+    const double here = (double)clock->period + clock->offset;
+    return -1.0 <= here && here <= 0.0 && clock->last == 0.0 && clock->doubt == 0.0;
+}
+
 double clock_time_of(const Clock *clock, int64_t instant, double T)
 {
     double fraction;

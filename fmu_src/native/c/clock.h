@@ -27,6 +27,7 @@ int64_t clock_at(const Clock *clock, double *fraction);
 
 /* Whether a clock that was read from bytes can be one. */
 bool clock_can_be(const Clock *clock);
+bool clock_is_fresh(const Clock *clock); /* no step has been passed yet */
 
 /* A sampling instant as the master has it [s]; how far an age may be off because of the master's rounding [s]. */
 double clock_time_of(const Clock *clock, int64_t instant, double T);
