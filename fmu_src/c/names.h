@@ -92,6 +92,7 @@
 #define clock_can_be PSP_NAME(clock_can_be)
 #define clock_is_fresh PSP_NAME(clock_is_fresh)
 #define feedback PSP_NAME(feedback)
+#define feedback_towards PSP_NAME(feedback_towards)
 #define largest_period PSP_NAME(largest_period)
 #define pass_time PSP_NAME(pass_time)
 #define locate PSP_NAME(locate)
