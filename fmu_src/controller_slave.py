@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from copy import copy
 from dataclasses import asdict
 from pathlib import Path
@@ -14,9 +13,9 @@ from psp_model.clock import Clock
 from psp_model.controller import BadMeasurement, Command, ControllerSettings, Measurement, SampledController
 from psp_model.errors import ModelError
 from psp_model.network import read_networks
-from psp_model.parameters import PotentialParameters
 
 from .controller_variables import controller_table
+from .state_check import bound, clock, count, flag, number, potential, record, require, variables, vector
 from .table_slave import LONGEST, TableSlave, logged
 from .variables import Variable
 
@@ -52,11 +51,18 @@ class PspController(TableSlave):
     # initialisation
 
     def _initialise(self) -> SampledController:
+        settings = self._settings()
+        self._clock = Clock.begin(self._clock.time, self._value("phase"), settings.sampling.T)
+        self._set_at = self._here()  # what was set before belongs to the start
+        return SampledController(settings, self._networks, self._warn)
+
+    def _settings(self) -> ControllerSettings:
+        """What the parameters say, checked."""
         read, sampling = self._value, self._sampling()
         phase = read("phase")
         if not 0 <= phase < sampling.T:
             raise ModelError("phase", phase, sampling.T)
-        settings = ControllerSettings(
+        return ControllerSettings(
             capacity=self.vehicles,
             constants=self._constants(),
             weights=self._weights(),
@@ -68,9 +74,6 @@ class PspController(TableSlave):
             a_safe=read("a_safe"),
             max_age=read("max_age"),
         )
-        self._clock = Clock.begin(self._clock.time, phase, sampling.T)
-        self._set_at = self._here()  # what was set before belongs to the start
-        return SampledController(settings, self._networks, self._warn)
 
     # time
 
@@ -97,18 +100,28 @@ class PspController(TableSlave):
 
     @logged
     def do_step(self, current_time: float, step_size: float) -> bool:
+        self._require_here(current_time, step_size)
         controller = self._part
-        assert controller is not None  # the launcher lets nobody step before initialisation has ended
+        assert controller is not None
         if step_size <= 0.0:
             return True
         clock = self._clock.after(current_time, step_size, self._value("T"))
         period, fraction = clock.at()
-        self._stale = True
+        self._stale, passed = True, self._sampled
         while self._sampled < period + (fraction > 0.0):  # at the end of the step newer inputs may come
             if self._ahead is not None:
                 controller.now, self._ahead = self._ahead, None
             else:
-                self._sample(controller)
+                try:
+                    self._sample(controller)
+                except ModelError as error:
+                    if self._sampled == passed:
+                        raise
+                    # the step ends here, where newer inputs may come, and the command held is shown
+                    T = self._value("T")
+                    size = self._clock.time_of(self._sampled, T) - current_time
+                    self._clock, self._fresh = self._clock.after(current_time, size, T), False
+                    return self._discard(error)
             self._sampled += 1
         self._clock, self._fresh = clock, False
         return True
@@ -133,13 +146,11 @@ class PspController(TableSlave):
 
     # the whole state
 
-    @logged
-    def _get_fmu_state(self) -> dict[str, Any]:
+    def _state(self) -> dict[str, Any]:
         state = {name: getattr(self, name) for name in _SAVED} | {"_values": tuple(self._values)}
         return state | {"now": self._part and self._part.now, "ahead": self._ahead}
 
-    @logged
-    def _set_fmu_state(self, state: dict[str, Any]) -> None:
+    def _become_state(self, state: dict[str, Any]) -> None:
         for name in _SAVED:
             setattr(self, name, state[name])
         self._values, self._ahead, self._stale = list(state["_values"]), state["ahead"], True
@@ -149,14 +160,24 @@ class PspController(TableSlave):
             self._clock, self._set_at, self._part.now = clock, state["_set_at"], state["now"]
 
     @staticmethod
-    def _fmu_state_to_bytes(state: dict[str, Any]) -> bytes:
-        commands = {name: state[name] and _pack(state[name]) for name in ("now", "ahead")}
-        return json.dumps(state | commands).encode()
+    def _as_json(state: dict[str, Any]) -> dict[str, Any]:
+        return state | {name: state[name] and _pack(state[name]) for name in ("now", "ahead")}
 
-    @staticmethod
-    def _fmu_state_from_bytes(data: bytes) -> dict[str, Any]:
-        state: dict[str, Any] = json.loads(data)
-        return state | {name: state[name] and _unpack(state[name]) for name in ("now", "ahead")}
+    def _restore(self, data: Any) -> dict[str, Any]:
+        state = record(data, (*_SAVED, "now", "ahead"))
+        values = variables(state["_values"], self._integers)
+        here, set_at, sampled = clock(state["_clock"]), number(state["_set_at"]), count(state["_sampled"])
+        require(set_at <= here.period + here.offset + 1.0)
+        found = {"_clock": here, "_set_at": set_at, "_sampled": sampled, "_values": values}
+        found |= {name: flag(state[name]) for name in ("_initialising", "_fresh")}
+        require(state["now"] is not None or state["ahead"] is None)
+        if state["now"] is None:
+            return found | {"now": None, "ahead": None}
+        with self._with_values(values[: self._first_output]):
+            settings = self._settings()
+        require(abs(sampled - here.period) <= 2)  # or a step would pass others without end
+        ahead = None if state["ahead"] is None else _unpack(state["ahead"], settings)
+        return found | {"now": _unpack(state["now"], settings), "ahead": ahead}
 
 
 def _pack(command: Command) -> dict[str, Any]:
@@ -165,6 +186,20 @@ def _pack(command: Command) -> dict[str, Any]:
     return fields | arrays | {"shape": asdict(command.shape)}
 
 
-def _unpack(packed: dict[str, Any]) -> Command:
-    arrays = {"a": np.array(packed["a"]), "saturated": np.array(packed["saturated"], dtype=bool)}
-    return Command(**(packed | arrays | {"shape": PotentialParameters(**packed["shape"])}))
+def _unpack(data: Any, settings: ControllerSettings) -> Command:
+    packed, N = record(data, Command.__dataclass_fields__), settings.capacity
+    saturated, n_active = packed["saturated"], count(packed["n_active"])
+    require(n_active <= N and isinstance(saturated, list) and len(saturated) == N)
+    return Command(
+        a=vector(packed["a"], N),
+        saturated=np.array([flag(one) for one in saturated], dtype=bool),
+        in_order=flag(packed["in_order"]),
+        T_max=bound(packed["T_max"]),
+        violations=count(packed["violations"]),
+        faults=count(packed["faults"]),
+        choices=count(packed["choices"]),
+        n_active=n_active,
+        in_domain=flag(packed["in_domain"]),
+        resolve=number(packed["resolve"]),
+        shape=potential(packed["shape"], settings.constants, settings.request.old),
+    )

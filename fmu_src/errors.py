@@ -8,6 +8,8 @@ SENTENCES = {
     "fixed": "%s is a fixed parameter: set it before initialisation ends, or reset the FMU first",
     "output": "%s is an output and cannot be set: set parameters only",
     "reference": "value reference %d belongs to no %s variable of this FMU: take it from modelDescription.xml",
+    "state": "fmi2DeSerializeFMUstate was given a state that no run can come to, though its checksum fits: pass what "
+    "fmi2SerializeFMUstate wrote",
     "memory": "there is no memory left in %s: end other programs, or build the FMU for fewer vehicles",
     "import": "the Python %s cannot import what %s needs (%s): install numpy and onnxruntime anew in that Python, or "
     "use the native FMU",

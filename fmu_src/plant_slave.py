@@ -16,6 +16,7 @@ from psp_model.platoon import Sampling
 from psp_model.state import PlatoonState
 
 from .controller_variables import plant_table
+from .state_check import count, fresh, number, record, require, restored_basics, vector
 from .table_slave import TableSlave, logged
 from .variables import Variable
 
@@ -39,8 +40,9 @@ class PspPlant(TableSlave):
 
     @logged
     def do_step(self, current_time: float, step_size: float) -> bool:
+        self._require_here(current_time, step_size)
         plant = self._part
-        assert plant is not None  # the launcher lets nobody step before initialisation has ended
+        assert plant is not None
         a = np.array(self._numbers("a", 1, self.vehicles))
         for i in np.flatnonzero(~np.isfinite(a)).tolist():
             raise ModelError("finite", f"a[{i + 1}]", a[i], "m/s2")
@@ -55,19 +57,34 @@ class PspPlant(TableSlave):
 
     # the whole state
 
-    @logged
-    def _get_fmu_state(self) -> dict[str, Any]:
+    def _state(self) -> dict[str, Any]:
         state = {name: getattr(self, name) for name in _SAVED} | {"_values": tuple(self._values)}
         plant = self._part and {"T": self._part.T, "period": self._part.period, "now": _pack(self._part.now)}
         return state | {"plant": plant}
 
-    @logged
-    def _set_fmu_state(self, state: dict[str, Any]) -> None:
+    def _become_state(self, state: dict[str, Any]) -> None:
         for name in _SAVED:
             setattr(self, name, state[name])
         self._values, self._stale, plant = list(state["_values"]), True, state["plant"]
         self._clock = Clock(*state["_clock"])
         self._part = plant and IdealPlant(_unpack(plant["now"]), plant["T"], plant["period"])
+
+    @staticmethod
+    def _as_json(state: dict[str, Any]) -> dict[str, Any]:
+        return state
+
+    def _restore(self, data: Any) -> dict[str, Any]:
+        state = record(data, (*_SAVED, "plant"))
+        found = restored_basics(state, self._integers)
+        if state["plant"] is None:
+            fresh(found["_clock"])
+            return found | {"plant": None}
+        plant = record(state["plant"], ("T", "period", "now"))
+        now, T, period = record(plant["now"], ("x", "s", "v")), number(plant["T"]), count(plant["period"])
+        require(T > 0.0 and abs(found["_clock"].period - period) <= 2)
+        n = self.vehicles
+        number(now["x"]), vector(now["s"], n - 1), vector(now["v"], n)
+        return found | {"plant": plant}
 
 
 def _pack(motion: Motion) -> dict[str, Any]:

@@ -29,7 +29,7 @@ NEEDS = (
     "Needs from outside: a 64-bit Python 3.11 or later with numpy and onnxruntime (resources/requirements.txt), on "
     "Linux or Windows: a Python host lends its own, other hosts find the python3 that is first on PATH."
 )
-_COMMON = ("__init__.py", "errors.py", "surroundings.py", "variables.py", "table_slave.py")
+_COMMON = ("__init__.py", "errors.py", "surroundings.py", "variables.py", "state_check.py", "table_slave.py")
 _SLAVE_FILES = {
     "PspPlatoon": (*_COMMON, "slave_state.py", "platoon_slave.py"),
     "PspController": (*_COMMON, "controller_variables.py", "controller_slave.py"),

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
 from typing import Any, TypeVar
@@ -28,6 +30,7 @@ from .surroundings import Unsuitable, one_line
 from .variables import Variable
 
 CONFIG = "platoon.json"  # what build_fmu.py decided: how many vehicles, which networks
+TIME_REFERENCE = 2**31 - 1  # under which the launcher asks how far a step came; it keeps hosts from it
 LONGEST = 1e9  # [s] T_max of a lone vehicle at rest with v_star is infinite, which importers do not like
 
 Result = TypeVar("Result")
@@ -61,6 +64,20 @@ def _explained(call: str, error: Exception) -> PspError:
     if isinstance(error, OSError):
         return FmiError("refused", call, one_line(error))
     return FmiError("internal", call, repr(error))
+
+
+@dataclass
+class StateOfBytes:
+    """A saved state that has come as bytes.
+
+    Attributes
+    ----------
+    data : the bytes
+    state : what they hold, None before they were checked
+    """
+
+    data: bytes
+    state: Any = None
 
 
 class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
@@ -150,6 +167,8 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
 
     @logged
     def get_real(self, vrs: list[int]) -> list[float]:
+        if vrs == [TIME_REFERENCE]:
+            return [self._clock.time]
         return self._get(vrs, integer=False)
 
     @logged
@@ -177,6 +196,80 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         if self._part is None:
             self._part = self._initialise()
         self._initialising, self._stale = False, True
+
+    # time
+
+    def _require_here(self, time: float, step_size: float) -> None:
+        """The launcher's time [s] is ours: only a forged state can tear them apart, or have no part to step."""
+        near = abs(time - self._clock.time) <= 1e-3 + 1e-5 * step_size + 1e-9 * abs(time)
+        if self._part is None or not near:
+            raise FmiError("state")
+
+    def _discard(self, error: PspError) -> bool:
+        """Say that a step ended early, at a time at which it could have ended well; what a slave returns then."""
+        self.log(str(error), Fmi2Status.discard)
+        return False
+
+    # the whole state
+
+    def _state(self) -> Any:
+        """Everything that the slave's future depends on."""
+        raise NotImplementedError
+
+    def _become_state(self, state: Any) -> None:
+        """Go on from there."""
+        raise NotImplementedError
+
+    @staticmethod
+    def _as_json(state: Any) -> Any:
+        """The state as JSON, in which every number reads back exactly."""
+        raise NotImplementedError
+
+    def _restore(self, data: Any) -> Any:
+        """The state that JSON holds, every field checked; ValueError where no run can come to it."""
+        raise NotImplementedError
+
+    @logged
+    def _get_fmu_state(self) -> Any:
+        return self._state()
+
+    @logged
+    def _set_fmu_state(self, state: Any) -> None:
+        """Go on from a state; one that has come as bytes is only checked when it is set for the first time.
+
+        pythonfmu reads bytes without an instance, so nothing could be said then: the launcher sets the state at once.
+        """
+        if isinstance(state, StateOfBytes):
+            if state.state is None:
+                try:
+                    state.state = self._restore(json.loads(state.data))
+                except Exception:  # whatever forged bytes lead to
+                    raise FmiError("state") from None
+                return
+            state = state.state
+        self._become_state(state)
+
+    @classmethod
+    def _fmu_state_to_bytes(cls, state: Any) -> bytes:
+        return state.data if isinstance(state, StateOfBytes) else json.dumps(cls._as_json(state)).encode()
+
+    @staticmethod
+    def _fmu_state_from_bytes(data: bytes) -> StateOfBytes:
+        return StateOfBytes(data)
+
+    @property
+    def _integers(self) -> list[bool]:
+        """For each variable, whether it is an Integer."""
+        return [row.integer for row in self._table]
+
+    @contextmanager
+    def _with_values(self, values: Sequence[float]) -> Iterator[None]:
+        """While it lasts, parameters and inputs have other values."""
+        before, self._values = self._values, [*values, *self._values[len(values) :]]
+        try:
+            yield
+        finally:
+            self._values = before
 
     # what the parameters say
 

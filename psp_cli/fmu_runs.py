@@ -138,6 +138,7 @@ def run_fmu(fmu: Path, description: Any, scenario: Scenario, values: Mapping[str
                 stop_time=scenario.duration,
                 step_size=step,
                 output_interval=step,
+                debug_logging=True,  # without it an FMU tells of errors only
                 logger=logger,
             )
     except Exception as error:  # fmpy's own exceptions say which call failed; the FMU's sentence says why

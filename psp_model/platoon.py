@@ -147,6 +147,7 @@ class SampledPlatoon(Warns):
     warn : called with the sentence when policy 2 meets the first uncertified instant of a stretch; a pickle keeps it
         where pickle can
     now : the last sampling instant
+    partway : where `advance_to` was refused behind another instant that it had passed, the last one that was in order
 
     Raises
     ------
@@ -159,6 +160,7 @@ class SampledPlatoon(Warns):
     sampling: Sampling = field(default_factory=Sampling)
     warn: Callable[[str], None] = silent
     now: Instant = field(init=False)
+    partway: Instant | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
         start = self.start
@@ -246,9 +248,10 @@ class SampledPlatoon(Warns):
         Raises
         ------
         ModelError : under policy 1 where T is not certified, under policy 2 where a gap has fallen to L (`now` is that
-            instant), under policy 3 where more than max_short_periods are needed
+            instant), under policy 3 where more than max_short_periods are needed; `partway` then is the instant to
+            go back to, None if none was passed
         """
-        short = 0
+        short, self.partway = 0, None
         while True:
             now = self.now
             ends = now.fraction + now.span
@@ -262,6 +265,7 @@ class SampledPlatoon(Warns):
             x, s, v, cost = self._after(now.span * self.sampling.T)
             at = (now.period + 1, 0.0) if ends >= 1.0 else (now.period, ends)
             self._sample(*at, x, s, v, now.violations, cost)
+            self.partway = self.now
 
     def _after(self, tau: float) -> tuple[float, Vector, Vector, Vector]:
         """Position of the leader, gaps, speeds and terms of J a time tau [s] after the last sampling instant."""

@@ -21,6 +21,8 @@
     X(GetFMUstate) X(SetFMUstate) X(FreeFMUstate) X(SerializedFMUstateSize)                 \
     X(SerializeFMUstate) X(DeSerializeFMUstate)
 
+enum { TIME_REFERENCE = 0x7fffffff }; /* under which our slaves tell us the time that they have come to; no host may ask */
+
 struct Backend {
 #define X(name) fmi2##name##TYPE *name;
     FUNCTIONS(X)
@@ -180,13 +182,26 @@ static fmi2Status do_step(Backend *model, double from, double size)
     FORWARD(true, model->DoStep(model->component, from, size, fmi2False));
 }
 
-fmi2Status backend_do_step(Backend *model, double from, double size)
+static fmi2Status get_real(Backend *model, const fmi2ValueReference vr[], size_t count, fmi2Real value[])
 {
+    FORWARD(false, model->GetReal(model->component, vr, count, value));
+}
+
+fmi2Status backend_do_step(Backend *model, double from, double size, double *reached)
+{
+    static const fmi2ValueReference time = TIME_REFERENCE;
     const fmi2Status status = do_step(model, from, size);
     if (status != fmi2Discard) return status;
-    if (model->front->worst >= fmi2Discard) return model->front->worst;
+    if (model->front->worst == fmi2Discard) return get_real(model, &time, 1, reached);
+    if (model->front->worst > fmi2Discard) return model->front->worst;
     return front_fail(model->front, "the step at t = %.10g s failed without a reason given: look at the messages before",
                       from);
+}
+
+static fmi2Status no_variable(Backend *model, fmi2ValueReference reference, const char *type)
+{
+    return front_fail(model->front, "value reference %d belongs to no %s variable of this FMU: take it from "
+                                    "modelDescription.xml", (int)reference, type);
 }
 
 #define VARIABLES(function, name, type)                                                                                \
@@ -195,7 +210,14 @@ fmi2Status backend_do_step(Backend *model, double from, double size)
         FORWARD(false, model->name(model->component, vr, count, value));                                               \
     }
 
-VARIABLES(backend_get_real, GetReal, fmi2Real)
+fmi2Status backend_get_real(Backend *model, const fmi2ValueReference vr[], size_t count, fmi2Real value[])
+{
+    for (size_t i = 0; i < count; i++) {
+        if (vr[i] == TIME_REFERENCE) return no_variable(model, vr[i], "Real");
+    }
+    return get_real(model, vr, count, value);
+}
+
 VARIABLES(backend_get_integer, GetInteger, fmi2Integer)
 VARIABLES(backend_set_real, SetReal, const fmi2Real)
 VARIABLES(backend_set_integer, SetInteger, const fmi2Integer)
@@ -205,8 +227,7 @@ VARIABLES(backend_set_integer, SetInteger, const fmi2Integer)
     fmi2Status function(Backend *model, const fmi2ValueReference vr[], size_t count, type value[])                     \
     {                                                                                                                  \
         (void)count, (void)value;                                                                                      \
-        return front_fail(model->front, "value reference %d belongs to no " name " variable of this FMU: take it from " \
-                                        "modelDescription.xml", (int)vr[0]);                                           \
+        return no_variable(model, vr[0], name);                                                                        \
     }
 
 NONE(backend_get_boolean, fmi2Boolean, "Boolean")
@@ -236,9 +257,19 @@ fmi2Status backend_write_state(Backend *model, void *state, char *bytes, size_t 
     FORWARD(false, model->SerializeFMUstate(model->component, state, bytes, size));
 }
 
-fmi2Status backend_read_state(Backend *model, const char *bytes, size_t size, void **state)
+static fmi2Status read_state(Backend *model, const char *bytes, size_t size, void **state)
 {
     FORWARD(false, model->DeSerializeFMUstate(model->component, bytes, size, state));
+}
+
+fmi2Status backend_read_state(Backend *model, const Progress *progress, const char *bytes, size_t size, void **state)
+{
+    fmi2Status status = read_state(model, bytes, size, state);
+    (void)progress; /* the slave needs none of it to be safe: it raises no exception that it does not catch */
+    if (status != fmi2OK) return status;
+    status = backend_set_state(model, *state); /* our slaves check what was read, and do not set it */
+    if (!model->dead && model->front->worst >= fmi2Error) backend_free_state(model, *state);
+    return status;
 }
 
 fmi2Status backend_directional_derivative(Backend *model, const fmi2ValueReference unknowns[], size_t unknown_count,

@@ -14,8 +14,8 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean logging_on, size_t c
     Front *front = front_enter(c, CALL_SET_DEBUG_LOGGING, &status);
     if (!front) return status;
     if (!front_has(front, CALL_SET_DEBUG_LOGGING, count, categories, categories)) return front_leave(front, fmi2Error);
-    front->logging = logging_on != fmi2False;
-    return front_leave(front, front_choose_categories(front, count, categories) ? fmi2OK : fmi2Warning);
+    front_choose_categories(front, logging_on != fmi2False, count, categories);
+    return front_leave(front, fmi2OK);
 }
 
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance, fmi2Real start,
@@ -44,9 +44,12 @@ static fmi2Status change_mode(fmi2Component c, Call call, fmi2Status (*action)(B
     fmi2Status status;
     Front *front = front_enter(c, call, &status);
     if (!front) return status;
-    status = front_leave(front, action(front->backend));
-    if (status <= fmi2Warning) front->progress.mode = next;
-    return status;
+    status = front_judge(front, action(front->backend));
+    if (status == fmi2OK) {
+        if (next == INSTANTIATED) front->progress = (Progress){.mode = INSTANTIATED};
+        front->progress.mode = next;
+    }
+    return front_leave(front, status);
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c)
@@ -61,15 +64,7 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c)
 
 fmi2Status fmi2Terminate(fmi2Component c) { return change_mode(c, CALL_TERMINATE, backend_terminate, TERMINATED); }
 
-fmi2Status fmi2Reset(fmi2Component c)
-{
-    fmi2Status status = change_mode(c, CALL_RESET, backend_reset, INSTANTIATED);
-    if (status <= fmi2Warning) {
-        const Progress fresh = {.mode = INSTANTIATED};
-        ((Front *)c)->progress = fresh;
-    }
-    return status;
-}
+fmi2Status fmi2Reset(fmi2Component c) { return change_mode(c, CALL_RESET, backend_reset, INSTANTIATED); }
 
 #define VARIABLES(function, call, serve, type)                                                                         \
     fmi2Status function(fmi2Component c, const fmi2ValueReference vr[], size_t count, type value[])                    \
@@ -172,15 +167,20 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real from, fmi2Real size, fmi2Boolean
     Front *front = front_enter(c, CALL_DO_STEP, &status);
     if (!front) return status;
     (void)no_set_state;
+    double reached = from;
     if (!step_allowed(front, from, size)) return front_leave(front, fmi2Error);
-    status = front_leave(front, backend_do_step(front->backend, from, size));
+    status = front_judge(front, backend_do_step(front->backend, from, size, &reached));
     front->progress.last_step = status;
-    if (status <= fmi2Warning) {
+    if (status == fmi2OK) {
         front->progress.time = front->progress.last_success = from + size;
         front->progress.elapsed += size;
         front->progress.steps++;
-    } else if (status == fmi2Discard) front->progress.mode = STEP_FAILED;
-    return status;
+    }
+    if (status == fmi2Discard) {
+        front->progress.mode = STEP_FAILED;
+        front->progress.last_success = reached;
+    }
+    return front_leave(front, status);
 }
 
 fmi2Status fmi2CancelStep(fmi2Component c)

@@ -10,6 +10,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "names.h"
+
 typedef struct {
     int lock;           /* PyGILState_STATE */
     unsigned held;      /* bit per signal that waits */

@@ -4,6 +4,8 @@
 
 #include <stdbool.h>
 
+#include "names.h"
+
 typedef struct {
     char executable[1024];
     char version[32];

@@ -49,20 +49,26 @@ const char *openable(const char *resources, char *buffer, size_t size)
 bool readable(Front *front, const char *resources)
 {
     char module[256];
-    if (!resources) {
+    Excerpt excerpt;
+    if (!resources || resources[0] == '\0') {
         front_fail(front, "fmi2Instantiate was called without a resource location: pass the URI of the FMU's resources");
+        return false;
+    }
+    if (!text_is_utf8(resources)) { /* pythonfmu crashes on it */
+        front_fail(front, "the FMU's resources lie in %s, whose name is no UTF-8: extract the FMU into another folder",
+                   text_excerpt(resources, &excerpt));
         return false;
     }
     if (strstr(resources, "%20") || strstr(resources, "file://")) { /* pythonfmu would replace them */
         front_fail(front, "the FMU's resources lie in %s, and pythonfmu cannot open a path with '%%20' in it: extract the "
-                          "FMU into another folder", resources);
+                          "FMU into another folder", text_excerpt(resources, &excerpt));
         return false;
     }
     first_line(resources, "slavemodule.txt", module, sizeof module);
     FILE *stream = module[0] ? open_resource(resources, module, ".py") : NULL;
     if (!stream) {
         front_fail(front, "the FMU's resources cannot be read in %s: extract the whole FMU and pass the URI of its folder "
-                          "'resources'", resources);
+                          "'resources'", text_excerpt(resources, &excerpt));
         return false;
     }
     fclose(stream);

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..native.compile import ENDINGS, FRONT, SOURCES, compile_library
+from ..native.compile import ENDINGS, FRONT, SOURCES, compile_library, prefix_header
 
 BINARIES = Path(__file__).parent / "binaries"
 PLATFORMS = ("linux64", "win64")  # those that pythonfmu has libraries for
@@ -28,6 +28,7 @@ def launcher(platform: str) -> bytes:
     content of the shared library
     """
     files = {name: (SOURCES / name).read_bytes() for name in _FILES}
+    files["psp_prefix.h"] = prefix_header("PspLauncher").encode()
     return compile_library(platform, "psp_launcher", files)
 
 

@@ -50,6 +50,27 @@ def test_around_ideal_vehicles_it_is_the_closed_loop(
                 assert instance.step(k * T + j * step, step) == OK
 
 
+@pytest.mark.parametrize("steps_per_period", [1, 3])
+def test_set_step_get_of_the_controller_and_then_of_the_plant_is_the_closed_loop_too(
+    instances, platoon_fmu, plant_fmu, controller_fmu, steps_per_period
+):
+    """The order that FMI 2.0, 4.2.4, allows: no output is read between setting inputs and the next step."""
+    values, step = starts(*random_start(22)), T / steps_per_period
+    loop, plant, controller = instances(platoon_fmu), instances(plant_fmu), instances(controller_fmu)
+    assert loop.initialise(values) == plant.initialise(values) == controller.initialise() == OK
+    for k in range(300):
+        time = k * step
+        assert controller.set(measurement(plant)) == OK
+        assert controller.step(time, step) == OK
+        a = controller.group("a")
+        np.testing.assert_allclose(a, loop.group("a"), rtol=0, atol=1e-9)
+        assert plant.set({f"a[{i}]": a_i for i, a_i in enumerate(a, start=1)}) == OK
+        assert plant.step(time, step) == OK and loop.step(time, step) == OK
+        if (k + 1) % steps_per_period:
+            continue  # the plant shows the motion at the beginning of the period
+        np.testing.assert_allclose(plant.get(*SEEN), loop.get(*SEEN), rtol=0, atol=1e-9)
+
+
 @pytest.fixture(scope="module")
 def expected(platoon_fmu) -> np.ndarray:
     """The closed loop after 2 s from the start values of the FMUs."""

@@ -62,6 +62,19 @@ int64_t clock_at(const Clock *clock, double *fraction)
     return clock->offset > 0.0 ? clock->period : clock->period - 1;
 }
 
+bool clock_can_be(const Clock *clock)
+{
+    return isfinite(clock->first) && isfinite(clock->time) && fabs((double)clock->period) < PERIODS_MAX &&
+           fabs(clock->offset) <= 1.0 && isfinite(clock->last) && clock->last >= 0.0 && isfinite(clock->doubt) &&
+           clock->doubt >= 0.0;
+}
+
+bool clock_is_fresh(const Clock *clock)
+{
+    const double here = (double)clock->period + clock->offset;
+    return -1.0 <= here && here <= 0.0 && clock->last == 0.0 && clock->doubt == 0.0;
+}
+
 double clock_time_of(const Clock *clock, int64_t instant, double T)
 {
     double fraction;

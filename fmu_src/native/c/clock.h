@@ -5,6 +5,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "names.h"
+
 /* (period + offset) T since the first sampling instant; instants are at whole numbers. */
 typedef struct {
     double first;   /* the first sampling instant as the master has it [s] */
@@ -22,6 +24,10 @@ bool clock_pass(Clock *clock, double begin, double size, double T);
 
 /* The communication point as whole sampling periods since the first instant and a fraction in [0, 1). */
 int64_t clock_at(const Clock *clock, double *fraction);
+
+/* Whether a clock that was read from bytes can be one. */
+bool clock_can_be(const Clock *clock);
+bool clock_is_fresh(const Clock *clock); /* no step has been passed yet */
 
 /* A sampling instant as the master has it [s]; how far an age may be off because of the master's rounding [s]. */
 double clock_time_of(const Clock *clock, int64_t instant, double T);

@@ -58,7 +58,21 @@ static bool sample(Backend *backend)
     return decide(&part->settings, backend->front, time, &measured, &part->now, &backend->scratch);
 }
 
-fmi2Status backend_do_step(Backend *backend, double from, double size)
+/* Where an instant behind another one of the step is refused: the step ends there, where newer inputs may come, and the
+ * command held is shown. */
+static fmi2Status end_early(Backend *backend, double from, double *reached)
+{
+    Model *model = &backend->model;
+    Part *part = &model->part;
+    if (backend->front->partly) {
+        *reached = clock_time_of(&model->clock, part->sampled, part->settings.T);
+        clock_pass(&model->clock, from, *reached - from, part->settings.T);
+        part->fresh = false;
+    }
+    return front_failure(backend->front);
+}
+
+fmi2Status backend_do_step(Backend *backend, double from, double size, double *reached)
 {
     Model *model = &backend->model;
     Part *part = &model->part;
@@ -70,9 +84,10 @@ fmi2Status backend_do_step(Backend *backend, double from, double size)
     const int64_t period = clock_at(&clock, &fraction);
     model->stale = 1;
     for (; part->sampled < period + (fraction > 0.0); part->sampled++) { /* at the end newer inputs may come */
-        if (!part->foreseen && !sample(backend)) return fmi2Error;
+        if (!part->foreseen && !sample(backend)) return end_early(backend, from, reached);
         part->now = part->foreseen ? part->ahead : backend->scratch.now;
         part->foreseen = false;
+        backend->front->partly = true;
     }
     model->clock = clock;
     part->fresh = false;
