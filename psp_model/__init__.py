@@ -1,6 +1,6 @@
 """The platoon model of Tzortzoglou et al. and everything computed with it; knows nothing of FMI."""
 
-from .errors import ModelError
+from .errors import ModelError, PspError
 from .feasible import max_slope, project, require_feasible
 from .feedback import feedback
 from .lemma1 import largest_period
@@ -19,6 +19,7 @@ __all__ = [
     "PlatoonParameters",
     "PlatoonState",
     "PotentialParameters",
+    "PspError",
     "Run",
     "SampledPlatoon",
     "Sampling",

@@ -13,6 +13,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from psp_model.errors import PspError
 from psp_model.parameters import PlatoonParameters
 from psp_model.whole_file import whole_file
 
@@ -27,7 +28,7 @@ _WIDTH = 2.0  # [m] of a drawn vehicle
 _MARKS = 12.0  # [m] between lane markings
 
 
-class FilmError(Exception):
+class FilmError(PspError):
     """The film cannot be made; one sentence with the remedy."""
 
 

@@ -105,8 +105,8 @@ def _lines(axes: Axes, time: NDArray[np.float64], table: NDArray[np.float64], qu
     axes.margins(x=0.0)
 
 
-def save_runs(runs: Mapping[str, Run], path: str | Path, command: str, title: str = "") -> list[Path]:
-    """Draw `draw_runs` and write it as PNG and SVG (PDF where `path` says so).
+def save_runs(runs: Mapping[str, Run], path: str | Path, command: str, title: str = "") -> Path:
+    """Draw `draw_runs` and write it as what the suffix of `path` says.
 
     Parameters
     ----------
@@ -115,6 +115,6 @@ def save_runs(runs: Mapping[str, Run], path: str | Path, command: str, title: st
 
     Returns
     -------
-    the files written
+    the file written
     """
     return save(draw_runs(runs, command, title), path, command)

@@ -9,7 +9,13 @@ from typing import Any
 import matplotlib
 from matplotlib.figure import Figure
 
+from psp_model.errors import PspError
 from psp_model.whole_file import whole_file
+
+
+class PictureError(PspError, ValueError):
+    """A picture of a kind that cannot be written."""
+
 
 LINE_STYLES = ("-", "--", ":", "-.")
 
@@ -54,29 +60,34 @@ def caption(figure: Figure, text: str, command: str) -> None:
     figure.supxlabel("\n".join(lines), x=0.01, ha="left", fontsize=7.5, color="#444444", parse_math=False)
 
 
-def save(figure: Figure, path: str | Path, command: str = "") -> list[Path]:
-    """Write a figure as PNG and as SVG (or, where `path` ends in .pdf, as PNG and PDF), side by side.
+def save(figure: Figure, path: str | Path, command: str = "") -> Path:
+    """Write a figure as what the suffix says: PNG, SVG or PDF.
 
     Parameters
     ----------
     figure : the figure
-    path : where to; the suffix is replaced, missing folders are made
-    command : noted in the files' metadata
+    path : where to, ending in .png, .svg or .pdf; missing folders are made
+    command : noted in the file's metadata
 
     Returns
     -------
-    the files written
+    the file written
+
+    Raises
+    ------
+    PictureError : where the suffix is another one
     """
     path = Path(path)
-    vector = ".pdf" if path.suffix == ".pdf" else ".svg"
-    written = [path.with_suffix(".png"), path.with_suffix(vector)]
     metadata: dict[str, dict[str, Any]] = {
         ".png": {"Description": command},
         ".svg": {"Date": None, "Description": command},
         ".pdf": {"CreationDate": None, "Subject": command},
     }
-    with matplotlib.rc_context(RC):
-        for file in written:
-            with whole_file(file) as partial:
-                figure.savefig(partial, dpi=150, metadata=metadata[file.suffix])
-    return written
+    kind = path.suffix.lower()
+    if kind not in metadata:
+        raise PictureError(
+            f"{path} is no picture that can be written", "give it a name that ends in .png, .svg or .pdf"
+        )
+    with matplotlib.rc_context(RC), whole_file(path) as partial:
+        figure.savefig(partial, dpi=150, metadata=metadata[kind], format=kind[1:])
+    return path

@@ -10,6 +10,7 @@ from contextlib import redirect_stdout
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, distribution
 
+from ..errors import PspError
 from .files import checkout
 
 BRINGS = {
@@ -23,7 +24,7 @@ BRINGS = {
 """The modules that each extra brings, the smaller extras first."""
 
 
-class MissingExtra(ImportError):
+class MissingExtra(PspError, ImportError):
     """One sentence: what needs which package, and how to install it."""
 
 

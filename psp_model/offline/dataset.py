@@ -43,7 +43,7 @@ def make_dataset(
     ------
     OfflineError : where files are in the way, belong to another plan, or cannot be written
     """
-    parts = path.with_name(path.name + ".parts")
+    parts = parts_of(path)
     try:
         _prepare(parts, path, plan, resume)
         missing = [number for number in range(plan.chunks) if not _part(parts, number).exists()]
@@ -56,7 +56,7 @@ def make_dataset(
         shutil.rmtree(parts)
     except OSError as error:
         remedy = "make room there and run the same command with --resume"
-        raise OfflineError(f"{path} could not be written ({error.strerror or error}): {remedy}") from None
+        raise OfflineError(f"{path} could not be written ({error.strerror or error})", remedy) from None
     finally:
         if parts.is_dir() and not _solved(parts):
             shutil.rmtree(parts, ignore_errors=True)
@@ -65,6 +65,16 @@ def make_dataset(
 def _solved(parts: Path) -> bool:
     """Whether a run left a chunk there to go on from."""
     return any(parts.glob("[0-9]*.npz"))
+
+
+def parts_of(path: Path) -> Path:
+    """The folder with what is solved already of a data set that is not complete.
+
+    Parameters
+    ----------
+    path : the Parquet file
+    """
+    return path.with_name(path.name + ".parts")
 
 
 def _prepare(parts: Path, path: Path, plan: Plan, resume: bool) -> None:

@@ -142,6 +142,9 @@ class Engine:
     real: str = "float"
     threads: int | None = None
 
+    def __getstate__(self) -> dict[str, Any]:  # the library is loaded again where it is needed
+        return {"problem": self.problem, "real": self.real, "threads": self.threads}
+
     @cached_property
     def _function(self) -> Any:
         return _library(self.problem, self.real).rollouts

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from build_fmu import main as build
+from hosts import table
 from hosts.table import difference, reference
 
 
@@ -30,3 +31,15 @@ def native(tmp_path_factory) -> Path:
 def test_the_native_fmu_runs_as_the_model_says(native, driver, tolerance):
     _, worst = difference(Path(sys.executable), driver, native, reference())
     assert float(worst) <= tolerance
+
+
+def test_a_host_that_cannot_be_installed_has_a_row_that_says_so(monkeypatch, tmp_path):
+    def nothing(packages, folder):
+        raise OSError(f"{packages[0]} cannot be installed")
+
+    monkeypatch.setattr(table, "environment", nothing)
+    assert table.row("omsimulator_host", ["OMSimulator"], tmp_path, tmp_path, {}) == (
+        "",
+        "OMSimulator cannot be installed",
+        "",
+    )

@@ -69,8 +69,9 @@ def test_what_the_slave_logs_is_text_and_its_status_that_of_the_call(stepping):
 
 def test_a_warning_does_not_end_the_run(stepping):
     assert stepping.set({"mode": 3}) == OK
-    assert stepping.step(0.0, 1.0) == WARNING
-    assert stepping.step(1.0, 1.0) == WARNING
+    assert stepping.step(0.0, 1.0) == OK
+    assert stepping.step(1.0, 1.0) == OK
+    assert stepping.messages == [(WARNING, "careful")] * 2
 
 
 def test_a_failed_step_without_a_reason_is_an_error(stepping):

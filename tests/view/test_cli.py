@@ -267,11 +267,20 @@ def test_figures_of_choice_are_drawn(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {"potentials.png", "potentials.pdf"}
 
 
-@pytest.mark.parametrize("option", ["report -o", "simulate {fmu} --csv", "compare --plot", "figures --only runs -o"])
-def test_what_cannot_be_written_is_one_sentence_and_leaves_nothing(fmu, tmp_path, option):
+@pytest.mark.parametrize(
+    ("option", "name"),
+    [
+        ("report -o", "out.html"),
+        ("simulate {fmu} --csv", "out.csv"),
+        ("compare --plot", "out.png"),
+        ("compare --json", "out.json"),
+        ("figures --only runs -o", "out"),
+    ],
+)
+def test_what_cannot_be_written_is_one_sentence_and_leaves_nothing(fmu, tmp_path, option, name):
     (tmp_path / "file").write_text("in the way")
     words = option.format(fmu=fmu).split()
-    result = psp(*words, str(tmp_path / "file" / "out.png"), "--duration", "0.1")
+    result = psp(*words, str(tmp_path / "file" / name), "--duration", "0.1")
     assert result.exit_code == 2, result.output
     (sentence,) = result.stderr.splitlines()
     assert "file" in sentence and "choose another place" in sentence

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from typer.main import get_command
 
+from fmu_src.errors import FmiError
 from fmu_src.variables import platoon_table
 from psp_cli.main import app
 from psp_cli.scenario import read_scenario
@@ -122,7 +123,7 @@ def test_every_variable_is_on_the_interface_page(site):
 
 def test_every_message_is_on_the_page_of_messages(site):
     page = (site / "faq/index.html").read_text(encoding="utf-8")
-    for key in SENTENCES:
+    for key in SENTENCES | FmiError.sentences:
         assert f'id="{key}"' in page
     assert "%.10g" not in page and "{{" not in page
 

@@ -140,16 +140,23 @@ def test_a_picture_holds_the_runs_and_its_command(tmp_path: Path):
     np.testing.assert_array_equal(drawn[4].get_ydata(), pair["V_new"].s[:, 4])
     assert figure.axes[0].get_ylabel() == "gap [m]" and figure.axes[-1].get_xlabel() == "time [s]"
     assert "psp compare --plot $HOME/a.png" in figure.get_supxlabel()
-    files = save_runs(pair, tmp_path / "runs.png", "psp compare")
-    assert [file.suffix for file in files] == [".png", ".svg"]
-    assert Image.open(files[0]).info["Description"] == "psp compare"
-    again = save_runs(pair, tmp_path / "again" / "runs.png", "psp compare")
-    assert [file.read_bytes() for file in again] == [file.read_bytes() for file in files]
+    for ending in ("png", "svg"):
+        file = save_runs(pair, tmp_path / f"runs.{ending}", "psp compare")
+        again = save_runs(pair, tmp_path / "again" / f"runs.{ending}", "psp compare")
+        assert again.read_bytes() == file.read_bytes()
+    assert Image.open(tmp_path / "runs.png").info["Description"] == "psp compare"
 
 
-def test_vector_files_can_be_pdf(tmp_path: Path):
-    files = save(draw_potentials("psp figures --pdf"), tmp_path / "potentials.pdf")
-    assert files[1].read_bytes().startswith(b"%PDF")
+@pytest.mark.parametrize(("ending", "begins"), [("pdf", b"%PDF"), ("PNG", b"\x89PNG"), ("svg", b"<?xml")])
+def test_the_suffix_decides_the_format(tmp_path: Path, ending: str, begins: bytes):
+    file = save(draw_potentials("psp figures"), tmp_path / f"potentials.{ending}")
+    assert file.read_bytes().startswith(begins) and list(tmp_path.iterdir()) == [file]
+
+
+def test_other_suffixes_are_refused(tmp_path: Path):
+    with pytest.raises(ValueError, match=r"\.jpg is no picture .* ends in \.png, \.svg or \.pdf"):
+        save(draw_potentials("psp figures"), tmp_path / "potentials.jpg")
+    assert not list(tmp_path.iterdir())
 
 
 def test_colours_are_distinct_and_from_a_palette_for_the_colour_blind():
