@@ -108,6 +108,7 @@ def setup(values: Mapping[str, float], vehicles: int, has_network: bool = True) 
         ),
         weights=ObjectiveWeights(**{key: read[key] for key in ObjectiveWeights.__dataclass_fields__}),
         sampling=Sampling(read["T"], Lemma1Policy(int(read["lemma1_policy"])), int(read["max_short_periods"])),
+        no_network=not has_network and "parameter_source" not in values,
     )
 
 

@@ -1,6 +1,6 @@
 """The platoon model of Tzortzoglou et al. and everything computed with it; knows nothing of FMI."""
 
-from .errors import ModelError
+from .errors import ModelError, PspError
 from .law.feedback import feedback
 from .law.potential import potential, potential_slope
 from .parameters import BEST_FIXED, V_OLD, ObjectiveWeights, PlatoonParameters, PotentialParameters
@@ -19,6 +19,7 @@ __all__ = [
     "PlatoonParameters",
     "PlatoonState",
     "PotentialParameters",
+    "PspError",
     "Run",
     "SampledPlatoon",
     "Sampling",

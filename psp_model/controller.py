@@ -9,8 +9,9 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from .callbacks import Warns, silent
 from .errors import ModelError
-from .law.feedback import feedback
+from .law.feedback import feedback, feedback_towards
 from .parameters import V_OLD, ObjectiveWeights, PlatoonParameters, PotentialParameters
 from .platoon import Lemma1Policy, Sampling
 from .sampling.lemma1 import largest_period
@@ -20,6 +21,7 @@ from .selection.network import ParameterNetwork
 
 Vector = NDArray[np.float64]
 
+ROUNDING = 1e-6  # [1] of L or v_max: what is measured so little outside the state space is taken as its bound (ours)
 NO_LIMIT = 1000.0  # [m/s2] a bound on the command that stands for none; importers do not like infinity
 
 
@@ -61,9 +63,16 @@ class ControllerSettings:
     max_age: float = 1e9
 
     def __post_init__(self) -> None:
-        if not -np.inf < self.a_min < 0 < self.a_max < np.inf:
-            raise ModelError("limits", self.a_min, self.a_max)
-        if not self.a_min <= self.a_safe <= 0:
+        for name in ("a_min", "a_max", "a_safe"):
+            if not np.isfinite(getattr(self, name)):
+                raise ModelError("finite", name, getattr(self, name), "m/s2")
+        if not self.a_min < 0:
+            raise ModelError("a_min", self.a_min)
+        if not self.a_max > 0:
+            raise ModelError("a_max", self.a_max)
+        if not self.a_safe <= 0:
+            raise ModelError("a_safe_positive", self.a_safe)
+        if not self.a_safe >= self.a_min:
             raise ModelError("a_safe", self.a_safe, self.a_min)
         if not self.max_age > 0:
             raise ModelError("max_age", self.max_age)
@@ -81,7 +90,9 @@ class Measurement:
     n_active : vehicles under control
     resolve : alpha, r, p are chosen anew where this rises above 0.5
     age : time since gaps and speeds were measured [s]
-    v_desired : desired speed instead of v_star, None for v_star [m/s] (ours: the paper has one v_star for good)
+    age_rounding : how far the age may be off because clocks are rounded [s]
+    v_desired : desired speed instead of v_star, 0 to stand, None for v_star [m/s] (ours: the paper has one v_star for
+        good)
     """
 
     s: Vector
@@ -90,6 +101,7 @@ class Measurement:
     resolve: float = 0.0
     age: float = 0.0
     v_desired: float | None = None
+    age_rounding: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,20 +136,20 @@ class Command:
 
 
 @dataclass
-class SampledController:
+class SampledController(Warns):
     """The feedback law for measured vehicles; the state is one immutable `Command`.
 
     Attributes
     ----------
     settings : what it is told once
     networks : by number of vehicles
-    warn : called with one sentence for each thing to be warned of
+    warn : called with one sentence for each thing to be warned of; a pickle keeps it where pickle can
     now : the command held, all zeros before the first sampling instant
     """
 
     settings: ControllerSettings
     networks: Mapping[int, ParameterNetwork] = field(default_factory=dict)
-    warn: Callable[[str], None] = lambda sentence: None
+    warn: Callable[[str], None] = silent
     now: Command = field(init=False)
 
     def __post_init__(self) -> None:
@@ -159,50 +171,61 @@ class SampledController:
             a network file is at fault
         """
         try:
-            n = self._require_order(measured)
+            taken = self._require_order(measured)
         except ModelError as error:
             if self.settings.bad_input is BadMeasurement.ERROR:
                 raise
             if self.now.in_order:
-                self.warn(str(ModelError("safe_action", time, str(error))))
+                self.warn(str(ModelError("safe_action", time, error)))
             self.now = self._safe_action(measured)
             return
-        self.now = self._regular(time, n, measured)
+        self.now = self._regular(time, taken)
 
-    def _require_order(self, measured: Measurement) -> int:
-        """The number of active vehicles; ModelError where an input is not in order."""
-        settings = self.settings
+    def _require_order(self, measured: Measurement) -> Measurement:
+        """The inputs of the active vehicles, inside the state space; ModelError where an input is not in order.
+
+        What lies outside by no more than ROUNDING is taken as the bound, a gap as the next number above L: vehicles
+        that stand have speeds and gaps such as -1e-18 m/s and L - 1e-12 m.  Under policy 1, which asks for gaps above
+        L + v_max T, a gap of L or less is refused all the same.
+        """
+        settings, n = self.settings, measured.n_active
         L, v_max = settings.constants.L, settings.constants.v_max
-        n = measured.n_active
+        above_L = np.nextafter(L, np.inf)
+        least = above_L if settings.sampling.policy is Lemma1Policy.ERROR else L - ROUNDING * L
         if not (1 <= n <= settings.capacity and n == int(n)):
             raise ModelError("active", n, settings.capacity)
-        if not measured.age <= settings.max_age:
+        if not np.isfinite(measured.age):
+            raise ModelError("age", measured.age)
+        if not measured.age <= settings.max_age + measured.age_rounding:
             raise ModelError("stale", measured.age, settings.max_age)
         if not np.isfinite(measured.resolve):
             raise ModelError("finite", "resolve", measured.resolve, "1")
-        if measured.v_desired is not None and not 0 < measured.v_desired < v_max:
-            raise ModelError("v_desired", measured.v_desired, v_max)
+        desired = measured.v_desired
+        if desired is not None:
+            _require_desired(desired, v_max)
+            desired = min(max(desired, 0.0), v_max)
         s, v = measured.s[: int(n) - 1], measured.v[: int(n)]
-        for i in np.flatnonzero(~((s > L) & (s < np.inf))).tolist():
-            raise _outside("s", i + 2, s[i], "m", ModelError("measured_gap", i + 2, s[i], L))
-        for i in np.flatnonzero(~((v >= 0) & (v <= v_max))).tolist():
-            raise _outside("v", i + 1, v[i], "m/s", ModelError("measured_speed", i + 1, v[i], v_max))
-        return int(n)
+        for i in np.flatnonzero(~((s >= least) & (s < np.inf))).tolist():
+            raise _bad_gap(i + 2, s[i], L)
+        for i in np.flatnonzero(~((v >= -ROUNDING * v_max) & (v <= v_max + ROUNDING * v_max))).tolist():
+            raise _bad_speed(i + 1, v[i], v_max)
+        s, v = np.maximum(s, above_L), np.clip(v, 0.0, v_max)
+        return replace(measured, s=s, v=v, v_desired=desired)
 
-    def _regular(self, time: float, n: int, measured: Measurement) -> Command:
-        """The bounded feedback for n vehicles that are in order."""
+    def _regular(self, time: float, measured: Measurement) -> Command:
+        """The bounded feedback for vehicles that are in order."""
         settings, before = self.settings, self.now
-        s, v, T = measured.s[: n - 1], measured.v[:n], settings.sampling.T
+        s, v, n, T = measured.s, measured.v, measured.v.size, settings.sampling.T
         shape, in_domain, choices = before.shape, before.in_domain, before.choices
         if n != before.n_active or measured.resolve > 0.5 >= before.resolve:
             request, weights = settings.request, settings.weights
             how = (request, self.networks, weights, settings.sampling, self.warn)
             shape, in_domain = choose_for_any_number(s, v, settings.constants, *how)
             choices += 1
-        constants = settings.constants
-        if measured.v_desired is not None:
-            constants = replace(constants, v_star=measured.v_desired)
-        wanted = feedback(s, v, shape, constants)
+        if measured.v_desired is None:
+            wanted = feedback(s, v, shape, settings.constants)
+        else:
+            wanted = feedback_towards(s, v, shape, settings.constants, measured.v_desired)
         a = np.zeros(settings.capacity)
         a[:n] = np.clip(wanted, settings.a_min, settings.a_max)
         saturated = np.zeros(settings.capacity, dtype=bool)
@@ -210,7 +233,7 @@ class SampledController:
         T_max = float(largest_period(s, v, a[:n], settings.constants))
         certified = T_max > T
         if not certified:
-            error = ModelError("lemma1_controller", T, T_max, time, T_max)
+            error = _violation(time, T, T_max, s, settings.constants)
             if settings.sampling.policy is Lemma1Policy.ERROR:
                 raise error
             if before.violations == 0 or before.T_max > T:
@@ -233,6 +256,38 @@ class SampledController:
         return Command(a, nobody, False, 0.0, *counts, before.n_active, before.in_domain, before.resolve, before.shape)
 
 
-def _outside(name: str, vehicle: int, value: float, unit: str, error: ModelError) -> ModelError:
-    """What to say of a measurement: `error`, or that it is not a finite number."""
-    return error if np.isfinite(value) else ModelError("finite", f"{name}[{vehicle}]", value, unit)
+def _violation(time: float, T: float, T_max: float, s: Vector, constants: PlatoonParameters) -> ModelError:
+    """Why T is not certified: the smallest gap, or else speeds and commands."""
+    i = int(np.argmin(s)) if s.size else 0
+    if s.size and (s[i] - constants.L) / constants.v_max <= T_max:
+        enough = constants.L + constants.v_max * T
+        return ModelError("lemma1_controller_gap", T, T_max, time, i + 2, s[i], enough, T_max)
+    return ModelError("lemma1_controller", T, T_max, time, T_max)
+
+
+def _require_desired(desired: float, v_max: float) -> None:
+    """Raise ModelError where a desired speed lies outside [0, v_max], rounding aside."""
+    if not np.isfinite(desired):
+        raise ModelError("v_desired_finite", desired, v_max)
+    if desired < -ROUNDING * v_max:
+        raise ModelError("v_desired_backwards", desired)
+    if desired > v_max + ROUNDING * v_max:
+        raise ModelError("v_desired", desired, v_max)
+
+
+def _bad_gap(vehicle: int, gap: float, L: float) -> ModelError:
+    """What to say of a measured gap that is not in order."""
+    if not np.isfinite(gap):
+        return ModelError("finite", f"s[{vehicle}]", gap, "m")
+    if gap <= 0:
+        return ModelError("measured_order", vehicle, gap, vehicle, vehicle - 1)
+    return ModelError("measured_gap", vehicle, gap, L)
+
+
+def _bad_speed(vehicle: int, speed: float, v_max: float) -> ModelError:
+    """What to say of a measured speed that is not in order."""
+    if not np.isfinite(speed):
+        return ModelError("finite", f"v[{vehicle}]", speed, "m/s")
+    if speed < 0:
+        return ModelError("measured_backwards", vehicle, speed)
+    return ModelError("measured_speed", vehicle, speed, v_max)

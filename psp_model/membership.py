@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .callbacks import silent
 from .errors import ModelError
 from .parameters import PotentialParameters
 from .platoon import Lemma1Policy, SampledPlatoon, Vector
@@ -73,7 +74,11 @@ class OpenPlatoon:
             place = self._place("insert_behind", behind, 0)
             if n == self.capacity:
                 raise ModelError("full", self.capacity)
-            if not 0 <= speed <= constants.v_max:
+            if not np.isfinite(speed):
+                raise ModelError("insert_finite", speed, constants.v_max)
+            if speed < 0:
+                raise ModelError("insert_backwards", speed, constants.v_max)
+            if speed > constants.v_max:
                 raise ModelError("insert_speed", speed, constants.v_max)
         except ModelError as error:
             return Refusal(str(error))
@@ -141,7 +146,7 @@ class OpenPlatoon:
             return None
         x, s, v = motion
         trial = copy(self.platoon)
-        trial.warn = lambda sentence: None
+        trial.warn = silent
         trial.sampling = replace(trial.sampling, policy=Lemma1Policy.SHORTEN)  # looks, and never raises
         trial.take_over(period, fraction, x, s, v, self.choose(s, v) if anew else trial.shape)
         if not trial.now.T_max > trial.sampling.T:

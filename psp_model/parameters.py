@@ -98,7 +98,9 @@ class PlatoonParameters:
             raise ModelError("lambda", self.lam, self.L + HILL_WIDTH)
         if not self.v_max > 0:
             raise ModelError("v_max", self.v_max)
-        if not 0 < self.v_star < self.v_max:
+        if not self.v_star > 0:
+            raise ModelError("v_star_backwards", self.v_star, self.v_max)
+        if not self.v_star < self.v_max:
             raise ModelError("v_star", self.v_star, self.v_max)
         for name in ("epsilon", "mu", "z"):
             if not getattr(self, name) > 0:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .callbacks import Warns, silent
 from .errors import ModelError
 from .law.feedback import feedback
 from .objective import running_cost
@@ -134,7 +135,7 @@ def locate(time: float, T: float) -> tuple[int, float]:
 
 
 @dataclass
-class SampledPlatoon:
+class SampledPlatoon(Warns):
     """n vehicles under sampled-data feedback; what happens at the sampling instants does not depend on who looks when.
 
     Attributes
@@ -143,8 +144,10 @@ class SampledPlatoon:
     shape : the potential in use
     weights : of the objective
     sampling : period and policy
-    warn : called with the sentence when policy 2 meets the first uncertified instant of a stretch
+    warn : called with the sentence when policy 2 meets the first uncertified instant of a stretch; a pickle keeps it
+        where pickle can
     now : the last sampling instant
+    partway : where `advance_to` was refused behind another instant that it had passed, the last one that was in order
 
     Raises
     ------
@@ -155,8 +158,9 @@ class SampledPlatoon:
     shape: PotentialParameters
     weights: ObjectiveWeights = field(default_factory=ObjectiveWeights)
     sampling: Sampling = field(default_factory=Sampling)
-    warn: Callable[[str], None] = lambda sentence: None
+    warn: Callable[[str], None] = silent
     now: Instant = field(init=False)
+    partway: Instant | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
         start = self.start
@@ -179,7 +183,7 @@ class SampledPlatoon:
         """
         platoon = cls.__new__(cls)
         platoon.start, platoon.shape, platoon.weights, platoon.sampling = start, shape, weights, sampling
-        platoon.warn = lambda sentence: None
+        platoon.warn = silent
         platoon.now = now
         return platoon
 
@@ -244,9 +248,10 @@ class SampledPlatoon:
         Raises
         ------
         ModelError : under policy 1 where T is not certified, under policy 2 where a gap has fallen to L (`now` is that
-            instant), under policy 3 where more than max_short_periods are needed
+            instant), under policy 3 where more than max_short_periods are needed; `partway` then is the instant to
+            go back to, None if none was passed
         """
-        short = 0
+        short, self.partway = 0, None
         while True:
             now = self.now
             ends = now.fraction + now.span
@@ -260,6 +265,7 @@ class SampledPlatoon:
             x, s, v, cost = self._after(now.span * self.sampling.T)
             at = (now.period + 1, 0.0) if ends >= 1.0 else (now.period, ends)
             self._sample(*at, x, s, v, now.violations, cost)
+            self.partway = self.now
 
     def _after(self, tau: float) -> tuple[float, Vector, Vector, Vector]:
         """Position of the leader, gaps, speeds and terms of J a time tau [s] after the last sampling instant."""

@@ -43,10 +43,12 @@ class PlatoonState:
             raise ModelError("finite", "x_start", self.x_leader, "m")
         for i, gap in enumerate(s, start=2):
             _require(np.isfinite(gap), "finite", f"s_start[{i}]", gap, "m")
+            _require(gap > 0, "gap_order", i, gap, i, i - 1)
             _require(gap > self.constants.L, "gap", i, gap, self.constants.L)
         for i, speed in enumerate(v, start=1):
             _require(np.isfinite(speed), "finite", f"v_start[{i}]", speed, "m/s")
-            _require(0 <= speed <= self.constants.v_max, "speed", i, speed, self.constants.v_max, i)
+            _require(speed >= 0, "speed_backwards", i, speed, self.constants.v_max, i)
+            _require(speed <= self.constants.v_max, "speed", i, speed, self.constants.v_max, i)
 
 
 def _require(holds: Any, key: str, *values: object) -> None:

@@ -1,16 +1,19 @@
-"""The whole state of a slave, in memory and as bytes."""
+"""The whole state of a platoon's slave, in memory and as bytes."""
 
 from __future__ import annotations
 
-import json
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
-from psp_model.parameters import ObjectiveWeights, PlatoonParameters, PotentialParameters
-from psp_model.platoon import Instant, Lemma1Policy, SampledPlatoon, Sampling
+from psp_model.parameters import ObjectiveWeights
+from psp_model.platoon import TIME_TOLERANCE, Instant, SampledPlatoon, Sampling
+from psp_model.sampling.clock import Clock
 from psp_model.state import PlatoonState
+
+from .state_check import bound, clock, count, flag, fresh, number, potential, record, require, variables, vector
 
 
 @dataclass(frozen=True)
@@ -55,7 +58,7 @@ class SlaveState:
     Attributes
     ----------
     values : the parameters and inputs, in the order of the table
-    start_time, time : start and last communication point [s]
+    clock : where the last communication point is
     in_domain : 1.0 if the vehicles were in the network's domain when the potential was chosen
     initialising : whether in initialisation mode
     members : which vehicles there are
@@ -63,63 +66,130 @@ class SlaveState:
     """
 
     values: tuple[float, ...]
-    start_time: float
-    time: float
+    clock: Clock
     in_domain: float
     initialising: bool
     members: Members
     platoon: SampledPlatoon | None
 
 
-def to_bytes(state: SlaveState) -> bytes:
+_PLAIN = ("values", "clock", "in_domain", "initialising")
+
+
+def to_json(state: SlaveState) -> dict[str, Any]:
     """The state as JSON, in which every number reads back exactly; the launcher adds a checksum and the FMU's identity.
+
+    What the parameters say of the platoon is left out: they are fixed, and say it again.
 
     Parameters
     ----------
     state : the state
     """
-    fields = {name: getattr(state, name) for name in ("values", "start_time", "time", "in_domain", "initialising")}
+    fields = {name: getattr(state, name) for name in _PLAIN}
     parts = {"members": asdict(state.members), "platoon": state.platoon and _pack(state.platoon)}
-    return json.dumps(fields | parts).encode()
+    return fields | parts
 
 
-def from_bytes(data: bytes) -> SlaveState:
-    """The state that `to_bytes` wrote; the launcher has checked that these are its bytes.
+@dataclass(frozen=True)
+class Description:
+    """What the parameters say of a platoon.
+
+    Attributes
+    ----------
+    start, weights, sampling : as `SampledPlatoon` has them
+    old : whether its potential is V_old
+    """
+
+    start: PlatoonState
+    weights: ObjectiveWeights
+    sampling: Sampling
+    old: bool
+
+
+def from_json(
+    data: Any, integers: Sequence[bool], capacity: int, describe: Callable[[tuple[float, ...]], Description]
+) -> SlaveState:
+    """The state that `to_json` wrote, every field of it checked.
 
     Parameters
     ----------
-    data : as written
+    data : read from JSON
+    integers : for each parameter and input, whether it is an Integer
+    capacity : most vehicles N
+    describe : what values of parameters and inputs say
+
+    Raises
+    ------
+    ValueError : where no run can come to such a state
     """
-    fields = json.loads(data)
-    members, platoon, values = fields.pop("members"), fields.pop("platoon"), tuple(fields.pop("values"))
-    members["vehicles"] = tuple(members["vehicles"])
-    return SlaveState(**fields, values=values, members=Members(**members), platoon=platoon and _unpack(platoon))
+    fields = record(data, (*_PLAIN, "members", "platoon"))
+    values, here = variables(fields["values"], integers), clock(fields["clock"])
+    in_domain, packed = number(fields["in_domain"]), fields["platoon"]
+    require(in_domain in (0.0, 1.0))
+    platoon, vehicles = None, 0
+    if packed is None:
+        fresh(here)
+    else:
+        platoon = _unpack(packed, capacity, describe(values))
+        vehicles = platoon.now.v.size
+        _require_here(platoon, here)
+    members = _members(fields["members"], vehicles)
+    return SlaveState(values, here, in_domain, flag(fields["initialising"]), members, platoon)
+
+
+def _members(data: Any, vehicles: int) -> Members:
+    fields = record(data, Members.__dataclass_fields__)
+    numbers, joined = fields["vehicles"], count(fields["joined"], vehicles)
+    require(isinstance(numbers, list) and (vehicles == 0 or len(numbers) == vehicles))
+    require(all(count(one, 1) <= joined for one in numbers) and fields["change_ok"] in (0.0, 1.0))
+    insert, remove = variables([fields["insert"], fields["remove"]], (False, False))
+    return Members(
+        vehicles=tuple(numbers),
+        joined=joined,
+        change_ok=number(fields["change_ok"]),
+        gap_offered=number(fields["gap_offered"]),
+        changes=count(fields["changes"]),
+        refusals=count(fields["refusals"]),
+        insert=insert,
+        remove=remove,
+    )
 
 
 def _pack(platoon: SampledPlatoon) -> dict[str, Any]:
-    start, now = platoon.start, platoon.now
-    return {
-        "constants": asdict(start.constants),
-        "start": {"s": start.s.tolist(), "v": start.v.tolist(), "x_leader": start.x_leader},
-        "shape": asdict(platoon.shape),
-        "weights": asdict(platoon.weights),
-        "sampling": asdict(platoon.sampling),
-        "now": {
-            name: value.tolist() if isinstance(value := getattr(now, name), np.ndarray) else value
-            for name in Instant.__dataclass_fields__
-        },
+    now = platoon.now
+    instant = {
+        name: value.tolist() if isinstance(value := getattr(now, name), np.ndarray) else value
+        for name in Instant.__dataclass_fields__
     }
+    return {"shape": asdict(platoon.shape), "now": instant}
 
 
-def _unpack(packed: dict[str, Any]) -> SampledPlatoon:
-    sampling = packed["sampling"] | {"policy": Lemma1Policy(packed["sampling"]["policy"])}
-    now: dict[str, Any] = {
-        name: np.array(value) if isinstance(value, list) else value for name, value in packed["now"].items()
-    }
-    return SampledPlatoon.resume(
-        PlatoonState(constants=PlatoonParameters(**packed["constants"]), **packed["start"]),
-        PotentialParameters(**packed["shape"]),
-        ObjectiveWeights(**packed["weights"]),
-        Sampling(**sampling),
-        Instant(**now),
+def _unpack(data: Any, capacity: int, described: Description) -> SampledPlatoon:
+    packed = record(data, ("shape", "now"))
+    now = record(packed["now"], Instant.__dataclass_fields__)
+    require(isinstance(now["v"], list) and 1 <= len(now["v"]) <= capacity)
+    n, cost = len(now["v"]), now["cost"]
+    require(isinstance(cost, list) and len(cost) == 2 and bound(cost[0]) >= 0.0 and not np.isnan(bound(cost[1])))
+    fraction, span = number(now["fraction"], 0.0), number(now["span"])
+    require(fraction < 1.0 and 0.0 < span <= 1.0)
+    instant = Instant(
+        period=count(now["period"]),
+        fraction=fraction,
+        x=number(now["x"]),
+        s=vector(now["s"], n - 1),
+        v=vector(now["v"], n),
+        a=vector(now["a"], n),
+        T_max=bound(now["T_max"]),
+        span=span,
+        violations=count(now["violations"]),
+        cost=np.array(cost, dtype=float),
     )
+    shape = potential(packed["shape"], described.start.constants, described.old)
+    return SampledPlatoon.resume(described.start, shape, described.weights, described.sampling, instant)
+
+
+def _require_here(platoon: SampledPlatoon, here: Clock) -> None:
+    """A time between the last instant and the next, to a period: others would pass without end."""
+    period, fraction = here.at()
+    since = period - platoon.now.period + fraction - platoon.now.fraction
+    require(-1.0 <= since <= 1.0 + TIME_TOLERANCE)

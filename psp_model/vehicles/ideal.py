@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..platoon import Vector
-from ..sampling.hold import advance, travelled
+from ..sampling.hold import gaps_after, travelled
 from ..state import PlatoonState
 
 
@@ -26,14 +26,18 @@ class Motion:
     v: Vector
 
     def after(self, a: Vector, tau: float) -> Motion:
-        """The motion a time tau later, exactly (paper, eq. 10).
+        """The motion a time tau later, exactly (paper, eq. 10); who comes to a stop on the way stands from there on.
 
         Parameters
         ----------
         a : (n,) accelerations held [m/s2]
         tau : time [s]
         """
-        return Motion(self.x + float(travelled(self.v[0], a[0], tau)), *advance(self.s, self.v, a, tau))
+        v = self.v + tau * a
+        stops = v < 0  # vehicles do not reverse (ours): certified periods end before that
+        until = np.where(stops, self.v / np.where(stops, -a, 1.0), tau)
+        moved = travelled(self.v, a, until)
+        return Motion(self.x + float(moved[0]), gaps_after(self.s, moved), np.where(stops, 0.0, v))
 
     def positions(self) -> Vector:
         """Positions of all vehicles, (n,) [m]."""
@@ -42,7 +46,7 @@ class Motion:
 
 @dataclass
 class IdealPlant:
-    """Double integrators driven period by period (ours).
+    """Double integrators that do not reverse, driven period by period (ours).
 
     The acceleration known at the end of a period counts for all of it.  A command that a co-simulation master passes
     on late, but within the period it belongs to, so does what it would have done without the delay.  What is seen is

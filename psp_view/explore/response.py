@@ -16,7 +16,7 @@ from psp_model.selection.feasible import max_slope, project, require_feasible
 from psp_model.simulate import Run, simulate
 from psp_model.state import PlatoonState
 
-from ..potentials import Curve, curve
+from ..curves import Curve, curve
 
 
 @dataclass(frozen=True)

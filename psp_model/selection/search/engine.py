@@ -22,9 +22,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import ModelError
 from ...law.feedback import feedback
 from ...objective import HORIZON, running_cost
+from ...offline.errors import OfflineError
 from ...parameters import ObjectiveWeights, PlatoonParameters
 from ...sampling.hold import advance
 from ...sampling.lemma1 import largest_period
@@ -113,7 +113,10 @@ def _library(problem: Problem, real: str) -> ctypes.CDLL:
             built = Path(folder) / path.name
             done = subprocess.run([*command, "-o", str(built)], input=source, text=True, capture_output=True)
             if done.returncode:
-                raise ModelError("compiler", done.stderr.strip().splitlines()[0] if done.stderr else "no message")
+                reason = done.stderr.strip().splitlines()[0] if done.stderr.strip() else "no message"
+                raise OfflineError(
+                    f"the rollouts could not be compiled ({reason}): mend what that names, or install ziglang anew"
+                )
             built.replace(path)
     return ctypes.CDLL(str(path))
 
@@ -138,6 +141,9 @@ class Engine:
     problem: Problem
     real: str = "float"
     threads: int | None = None
+
+    def __getstate__(self) -> dict[str, Any]:  # the library is loaded again where it is needed
+        return {"problem": self.problem, "real": self.real, "threads": self.threads}
 
     @cached_property
     def _function(self) -> Any:
