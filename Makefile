@@ -5,14 +5,18 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: simulate test fmu lint coverage mutation traffic clean torture bench
+.PHONY: simulate test system fmu lint coverage mutation traffic clean torture bench
 .DEFAULT_GOAL := simulate
 
 simulate: fmu
 	$(BIN)/python examples/01_paper_scenarios.py dist/PspPlatoon.fmu out
 
-test: $(VENV)/.test fmu lint
+test: system $(VENV)/.test fmu lint
 	$(BIN)/python -m pytest -n 2
+
+# what single tests need from the system: installed as root on Debian, else those tests are skipped
+system: | $(BIN)/python
+	$(BIN)/python tests/system_packages.py
 
 bench: $(VENV)/.test
 	PYTHONPATH=tests $(BIN)/python -m benchmarks

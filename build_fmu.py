@@ -2,21 +2,53 @@
 
 from __future__ import annotations
 
+if __name__ == "__main__":  # before the imports that take time
+    from psp_cli.interrupt import install
+
+    install("build_fmu.py")
+
 import argparse
 import sys
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+from fmu_src.errors import BuildError
 from fmu_src.python.build import NetworkFile, build_python_fmu, networks_up_to
-from psp_model import ModelError
+from psp_model import ModelError, PspError
+from psp_model.installed.extras import BRINGS, require
 
 MOST_VEHICLES = 10_000
 COMPONENTS = ["platoon", "controller", "plant", "leader"]
 CONTROLLED = ("platoon", "controller")  # components with networks, and with a native runtime
 
 
-def parse(arguments: list[str] | None) -> argparse.Namespace:
+@dataclass(frozen=True)
+class Options:
+    """What to build.
+
+    Attributes
+    ----------
+    vehicles : most vehicles
+    component : one of COMPONENTS
+    output : folder to write to
+    runtime : python or native
+    platforms : of the native runtime: host or all
+    network : file to use instead of onnx/platoon_N.onnx
+    profile : file with the speed that the leader drives
+    """
+
+    vehicles: int = 7
+    component: str = "platoon"
+    output: Path = Path("dist")
+    runtime: str = "python"
+    platforms: str = "host"
+    network: Path | None = None
+    profile: Path | None = None
+
+
+def parse(arguments: list[str] | None) -> Options:
     """The command line.
 
     Parameters
@@ -35,15 +67,15 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--network", type=Path, metavar="FILE", help="network instead of onnx/platoon_N.onnx")
     text = "leader: drives this speed profile, a CSV file with time [s] and speed [m/s], instead of a wave"
     parser.add_argument("--profile", type=Path, metavar="FILE", help=text)
-    return parser.parse_args(arguments)
+    return Options(**vars(parser.parse_args(arguments)))
 
 
-def networks_for(options: argparse.Namespace) -> dict[int, NetworkFile]:
+def networks_for(options: Options) -> dict[int, NetworkFile]:
     """The networks that go into the FMU asked for, by number of vehicles.
 
     Parameters
     ----------
-    options : from `parse`
+    options : what to build
 
     Raises
     ------
@@ -52,44 +84,45 @@ def networks_for(options: argparse.Namespace) -> dict[int, NetworkFile]:
     return networks_up_to(options.vehicles, options.network) if options.component in CONTROLLED else {}
 
 
-def build_native(options: argparse.Namespace, networks: Mapping[int, NetworkFile]) -> Path:
+def build_native(options: Options, networks: Mapping[int, NetworkFile]) -> Path:
     """Build the native FMU asked for.
 
     Parameters
     ----------
-    options : from `parse`
+    options : what to build
     networks : from `networks_for`
 
     Raises
     ------
-    RuntimeError : where what builds the native FMU is missing, or there is none
+    MissingExtra : where what builds the native FMU is missing
+    BuildError : where there is no native FMU
     """
     if options.component not in CONTROLLED:
-        raise RuntimeError(f"--component {options.component} has no native runtime: leave --runtime native out")
-    try:
-        from fmu_src.native.build import build_native_fmu, chosen_platforms, native_controller, native_platoon
-    except ImportError as error:
-        raise RuntimeError(f"the native FMU needs {error.name}: pip install 'psp-platoon[native]'") from None
+        raise BuildError(f"--component {options.component} has no native runtime: leave --runtime native out")
+    require("a native FMU", "native", BRINGS["native"])
+    from fmu_src.native.build import build_native_fmu, chosen_platforms, native_controller, native_platoon
+
     make = native_platoon if options.component == "platoon" else native_controller
     return build_native_fmu(make(options.vehicles, networks), options.output, chosen_platforms(options.platforms))
 
 
-def build(options: argparse.Namespace, networks: Mapping[int, NetworkFile]) -> Path:
+def build(options: Options, networks: Mapping[int, NetworkFile]) -> Path:
     """Build the FMU asked for.
 
     Parameters
     ----------
-    options : from `parse`
+    options : what to build
     networks : from `networks_for`
 
     Raises
     ------
-    RuntimeError : where an option does not apply, or what builds the native FMU is missing
+    MissingExtra : where what builds the native FMU is missing
+    BuildError : where an option does not apply
     """
     if options.component not in CONTROLLED and options.network:
-        raise RuntimeError(f"--component {options.component} has no network: leave --network out")
+        raise BuildError(f"--component {options.component} has no network: leave --network out")
     if options.component != "leader" and options.profile:
-        raise RuntimeError(f"--component {options.component} takes no --profile: leave it out, or build the leader")
+        raise BuildError(f"--component {options.component} takes no --profile: leave it out, or build the leader")
     if options.runtime == "native":
         return build_native(options, networks)
     if options.component == "platoon":
@@ -104,6 +137,33 @@ def build(options: argparse.Namespace, networks: Mapping[int, NetworkFile]) -> P
     return makers[options.component](options.vehicles, options.output)
 
 
+def make(options: Options) -> tuple[Path, str]:
+    """Check what is asked for, and build it.
+
+    Parameters
+    ----------
+    options : what to build
+
+    Returns
+    -------
+    the FMU, and a sentence on what it lacks, empty where it lacks nothing
+
+    Raises
+    ------
+    PspError, OSError : where an option or a file is at fault, or what builds the FMU is missing
+    """
+    if options.vehicles < 2:
+        raise ModelError("vehicles", options.vehicles)
+    if options.vehicles > MOST_VEHICLES:
+        raise BuildError(f"{options.vehicles} vehicles are too many for one FMU: choose at most {MOST_VEHICLES}")
+    networks = networks_for(options)
+    path = build(options, networks)
+    if options.component != "platoon" or options.vehicles in networks:
+        return path, ""
+    lack = f"There is no network for {options.vehicles} vehicles: parameter_source starts at 2, a fixed alpha, r, p."
+    return path, lack
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Build what the command line asks for and say what was built.
 
@@ -113,22 +173,27 @@ def main(arguments: list[str] | None = None) -> int:
     """
     options = parse(arguments)
     try:
-        if options.vehicles < 2:
-            raise ModelError("vehicles", options.vehicles)
-        if options.vehicles > MOST_VEHICLES:
-            raise RuntimeError(f"{options.vehicles} vehicles are too many for one FMU: choose at most {MOST_VEHICLES}")
-        networks = networks_for(options)
-        path = build(options, networks)
-    except (ModelError, OSError, RuntimeError) as error:
+        path, lack = make(options)
+    except (PspError, OSError) as error:
         print(f"build_fmu.py: {error}", file=sys.stderr)
         return 2
-    print(f"{path}: {options.vehicles} vehicles, {path.stat().st_size / 1024:.0f} KiB")
-    if options.component == "platoon" and options.vehicles not in networks:
-        print(
-            f"There is no network for {options.vehicles} vehicles: parameter_source starts at 2, a fixed alpha, r, p."
-        )
+    print(said_of(path, options))
+    if lack:
+        print(lack)
     return 0
 
 
+def said_of(path: Path, options: Options) -> str:
+    """The line that says what was built.
+
+    Parameters
+    ----------
+    path, options : the FMU, and what was asked for
+    """
+    return f"{path}: {options.vehicles} vehicles, {path.stat().st_size / 1024:.0f} KiB"
+
+
 if __name__ == "__main__":
-    sys.exit(main())
+    from psp_cli.interrupt import run
+
+    run("build_fmu.py", main)

@@ -6,14 +6,24 @@ finished starts anew.  Without names all are measured, and docs/benchmarks.md ge
 
 from __future__ import annotations
 
+if __name__ == "__main__":  # before the imports that take time
+    from psp_cli.interrupt import install
+
+    install("benchmarks")
+
 import argparse
 import json
 import os
+import shlex
 import sys
 import time
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
+
+from psp_cli import interrupt
+from psp_model.installed.extras import BRINGS, require
+from psp_model.whole_file import write_whole
 
 from .fmus import CACHE, ROOT, sources_digest
 from .machine import machine, versions
@@ -53,7 +63,8 @@ def say(text: str) -> None:
 
 
 def run(measurement: Measurement, options: argparse.Namespace) -> dict[str, Any]:
-    """Measure and describe."""
+    """Measure and describe; refused before it begins where packages are missing."""
+    require(f"the measurement {measurement.name}", measurement.extra, BRINGS.get(measurement.extra, ()))
     began = time.perf_counter()
     load = os.getloadavg()[0]
     rows = measurement.measure(Context(options.quick, say, options.peers))
@@ -86,6 +97,9 @@ def main(arguments: list[str] | None = None) -> int:
     CACHE.mkdir(parents=True, exist_ok=True)
     chosen = [one for one in MEASUREMENTS if not options.names or one.name in options.names]
     done, note, failed = already_done(options), options.output / UNFINISHED, False
+    words = [word for word in (sys.argv[1:] if arguments is None else arguments) if word != "--fresh"]
+    again = shlex.join(["python", "-m", "benchmarks", *words])
+    interrupt.can_go_on(lambda: again if note.exists() and not options.names else None)
     for number, measurement in enumerate(chosen, start=1):
         heading = f"[{number}/{len(chosen)}] {measurement.title}"
         if measurement.name in done and not options.names:
@@ -95,16 +109,15 @@ def main(arguments: list[str] | None = None) -> int:
         try:
             result = run(measurement, options)
         except (ImportError, OSError, RuntimeError) as error:
-            extra = f" (pip install 'psp-platoon[{measurement.extra}]')" if isinstance(error, ImportError) else ""
-            print(f"  not measured: {error}{extra}", file=sys.stderr)
+            print(f"  not measured: {error}", file=sys.stderr)
             failed = True
             continue
-        path = options.output / f"{measurement.name}.json"
-        path.write_text(json.dumps(result, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+        content = json.dumps(result, indent=1, ensure_ascii=False) + "\n"
+        write_whole(options.output / f"{measurement.name}.json", content)
         print(table([result]), flush=True)
         if not options.names:
             done.append(measurement.name)
-            note.write_text(json.dumps({"sources": sources_digest(), "done": done}))
+            write_whole(note, json.dumps({"sources": sources_digest(), "done": done}))
     if not failed and not options.names:
         note.unlink(missing_ok=True)
     if not options.quick:
@@ -113,4 +126,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    interrupt.run("benchmarks", main)

@@ -9,7 +9,7 @@ from contextlib import ExitStack
 import numpy as np
 
 from psp_model import StartDomain
-from psp_model.selection.network import INPUT, PARAMETERS, ParameterNetwork
+from psp_model.selection.network import INPUT, PARAMETERS, ParameterNetwork, import_onnxruntime
 
 from .begin import beginner
 from .fmus import ROOT, fmu
@@ -21,8 +21,7 @@ FILE = ROOT / "onnx" / "platoon_7.onnx"
 
 def session() -> object:
     """An onnxruntime session set up for one row at a time."""
-    import onnxruntime
-
+    onnxruntime = import_onnxruntime()
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1
     return onnxruntime.InferenceSession(str(FILE), options, providers=["CPUExecutionProvider"])

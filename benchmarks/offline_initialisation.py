@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+if __name__ == "__main__":  # before the imports that take time
+    from psp_cli.interrupt import install
+
+    install("offline_initialisation.py")
+
 import json
 import time
 from pathlib import Path
@@ -11,6 +16,7 @@ import numpy as np
 from psp_model import ObjectiveWeights, PlatoonState, Sampling, StartDomain
 from psp_model.selection.network import ParameterNetwork
 from psp_model.selection.rollout import best_by_rollout, share_rollouts
+from psp_model.whole_file import write_whole
 
 COUNTS = (1, 2, 4, 8, 16, 32)
 REPEATS = 5
@@ -34,8 +40,7 @@ def main() -> dict[str, float]:
         result[f"{count} rollouts"] = min(seconds)
         print(f"{count:3d} rollouts {1e3 * min(seconds):8.1f} ms")
     path = Path(__file__).parent / "results" / "offline_initialisation.json"
-    path.parent.mkdir(exist_ok=True)
-    path.write_text(json.dumps({"seconds_numpy": result}, indent=1) + "\n")
+    write_whole(path, json.dumps({"seconds_numpy": result}, indent=1) + "\n")
     return result
 
 

@@ -7,6 +7,11 @@ best constant.
 
 from __future__ import annotations
 
+if __name__ == "__main__":  # before the imports that take time
+    from psp_cli.interrupt import install
+
+    install("offline_labels.py")
+
 import argparse
 import json
 from pathlib import Path
@@ -19,6 +24,7 @@ from psp_model.offline.ipopt import LocalSolver
 from psp_model.offline.recipes import output_scaling
 from psp_model.selection.search.engine import Engine, Problem
 from psp_model.selection.search.search import Search
+from psp_model.whole_file import write_whole
 
 GUESS = (1e-3, 11.0, 5.5)
 
@@ -49,8 +55,7 @@ def main() -> dict[str, object]:
             "J_above_global_mean": float((J[name] / J["global search"] - 1.0).mean()),
         }
     path = Path(__file__).parent / "results" / "offline_labels.json"
-    path.parent.mkdir(exist_ok=True)
-    path.write_text(json.dumps(result, indent=1) + "\n")
+    write_whole(path, json.dumps(result, indent=1) + "\n")
     print(json.dumps(result, indent=1))
     return result
 

@@ -6,6 +6,11 @@ checked by the model's own branch and bound, and random refinement around the be
 
 from __future__ import annotations
 
+if __name__ == "__main__":  # before the imports that take time
+    from psp_cli.interrupt import install
+
+    install("offline_search.py")
+
 import argparse
 import json
 from pathlib import Path
@@ -16,6 +21,7 @@ from psp_model import PlatoonParameters, PotentialParameters, StartDomain
 from psp_model.selection.feasible import slope_within_limit
 from psp_model.selection.search.engine import Engine, Problem
 from psp_model.selection.search.search import Search
+from psp_model.whole_file import write_whole
 
 ALPHAS = (1e-3, 1.5e-3, 2.5e-3, 5e-3, 1e-2)
 R = np.arange(6.0, 17.001, 0.05)
@@ -84,8 +90,7 @@ def main() -> dict[str, float]:
         "excess_best": float(excess.min()),
         "share_search_is_better": float((excess < 0).mean()),
     }
-    options.output.parent.mkdir(exist_ok=True)
-    options.output.write_text(json.dumps(result, indent=1) + "\n")
+    write_whole(options.output, json.dumps(result, indent=1) + "\n")
     print(json.dumps(result, indent=1))
     return result
 

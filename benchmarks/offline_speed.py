@@ -6,6 +6,11 @@ wall seconds, because they do not depend on what else the machine does.
 
 from __future__ import annotations
 
+if __name__ == "__main__":  # before the imports that take time
+    from psp_cli.interrupt import install
+
+    install("offline_speed.py")
+
 import argparse
 import json
 import os
@@ -21,6 +26,7 @@ from psp_model.offline.ipopt import LocalSolver
 from psp_model.selection.search.engine import Engine, Problem
 from psp_model.selection.search.search import Search
 from psp_model.selection.search.slope_limit import SlopeLimit
+from psp_model.whole_file import write_whole
 
 
 def timed(work: Callable[[], Any]) -> tuple[Any, float, float]:
@@ -104,8 +110,7 @@ def main() -> dict[str, Any]:
         "minutes_for_6000_starts_on_idle_cores": rows["search"]["cpu_s_per_start"] * 6000 / 60 / (os.cpu_count() or 1),
         "rows": rows,
     }
-    options.output.parent.mkdir(exist_ok=True)
-    options.output.write_text(json.dumps(result, indent=1) + "\n")
+    write_whole(options.output, json.dumps(result, indent=1) + "\n")
     print(json.dumps(result, indent=1))
     return result
 

@@ -6,6 +6,8 @@ import json
 from pathlib import Path
 from typing import Any
 
+from psp_model.whole_file import write_whole
+
 from .registry import MEASUREMENTS
 from .table import conditions, table
 
@@ -43,5 +45,5 @@ def write_page(root: Path, folder: Path) -> None:
     text = page.read_text(encoding="utf-8")
     before, _, rest = text.partition(BEGIN)
     after = rest.partition(END)[2]
-    page.write_text(f"{before}{BEGIN}\n\n{figures(results)}\n{END}{after}", encoding="utf-8")
+    write_whole(page, f"{before}{BEGIN}\n\n{figures(results)}\n{END}{after}")
     draw(results, root / PICTURE)

@@ -6,6 +6,11 @@ CACC of SUMO drive the same vehicles for as many steps; figures are medians, rat
 
 from __future__ import annotations
 
+if __name__ == "__main__":  # before the imports that take time
+    from psp_cli.interrupt import install
+
+    install("traffic.py")
+
 import json
 import sys
 from pathlib import Path
@@ -13,6 +18,7 @@ from statistics import median, quantiles
 from tempfile import TemporaryDirectory
 
 from build_fmu import main as build
+from psp_model.whole_file import write_whole
 from psp_traffic.driver import Driver, controllers, sumo_drivers
 from psp_traffic.scale import SIZE, Cost, cost
 
@@ -72,7 +78,7 @@ def main(rounds: int = 5, output: Path | None = None) -> None:
                     print("| " + " | ".join(rows[0]) + " |\n" + "|---" * len(rows[0]) + "|")
                 print("| " + " | ".join(map(str, rows[-1].values())) + " |", flush=True)
     if output is not None:
-        output.write_text(json.dumps({"rounds": rounds, "steps": STEPS, "rows": rows}, indent=1) + "\n")
+        write_whole(output, json.dumps({"rounds": rounds, "steps": STEPS, "rows": rows}, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+if __name__ == "__main__":  # before the imports that take time
+    from psp_cli.interrupt import install
+
+    install("04_in_sumo.py")
+
 import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -17,7 +22,8 @@ from psp_traffic.summary import table
 def main(duration: float = 60.0) -> dict[str, list[Measures]]:
     """Seven vehicles from a start of the paper's, driven by the controller FMU and by SUMO's models.
 
-    Needs `pip install 'psp-platoon[sumo]'`; `psp sumo` shows the ramp, the stop-and-go wave and the WLTC, too.
+    Needs the extra `sumo` (`pip install '.[sumo]'` in a checkout); `psp sumo` shows the ramp, the stop-and-go wave
+    and the WLTC, too.
     """
     with TemporaryDirectory() as folder:
         build(["--component", "controller", "--output", folder])

@@ -12,28 +12,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from platform import libc_ver, machine, system
 from shutil import which
+from typing import Any
 from xml.etree import ElementTree
 from zipfile import ZipFile
 
-_OLDEST_PYTHON = (3, 11)
+from .python import surroundings
+
 _OLDEST_GLIBC = (2, 17)  # what the linux64 libraries are linked for
 _MOST_PACKAGES = 50  # that are asked for
 _LARGEST = 1 << 26  # [bytes] of a file inside an FMU that is read
-_QUESTION = (
-    "import sys\n"
-    "sys.path[:]=filter(None,sys.path)\n"  # nothing from the folder in which doctor is run
-    "import importlib.metadata as m,json,os,sysconfig as s\n"
-    "def found(name):\n"
-    "    try:\n        version=m.version(name)\n"  # nothing that an archive may name is imported but these two
-    "        return __import__(name).__version__ if name in ('numpy','onnxruntime') else version\n"
-    "    except Exception as e:\n        return None\n"
-    "g=s.get_config_var\n"
-    "c=[os.path.join(a,b) for a in (g('LIBDIR') or '',os.path.join(g('LIBDIR') or '',g('MULTIARCH') or ''),"
-    "os.path.join(sys.base_prefix,'lib'),sys.base_prefix) for b in (g('INSTSONAME') or '',"
-    "'libpython%d.%d.so.1.0'%sys.version_info[:2],'python3.dll') if b.endswith('.dll') or '.so' in b]\n"
-    "print(json.dumps({'executable':sys.executable,'version':list(sys.version_info[:3]),"
-    "'library':next(filter(os.path.isfile,c),None),'packages':{n:found(n) for n in sys.argv[1:]}}))\n"
-)
+# nothing is imported from the folder in which doctor is run
+_QUESTION = "import sys\nsys.path[:] = filter(None, sys.path)\nexec(sys.argv.pop(1))"
+_MARK = "psp-doctor:"
+_MISLEADING = ("PYTHONHOME", "PYTHONPATH", "PYTHONPLATLIBDIR")  # environment variables
 
 
 @dataclass(frozen=True)
@@ -78,8 +69,9 @@ def examine(fmu: Path) -> Iterator[Finding]:
     yield from _libraries(names, name)
     yield from _glibc()
     if "resources/slavemodule.txt" in names:
-        named = re.findall(r"^[A-Za-z0-9_-]{1,80}", requirements, re.MULTILINE)
-        yield from _python(named[:_MOST_PACKAGES])
+        named = re.findall(r"^([A-Za-z0-9_-]{1,80})(?:>=([0-9.]{1,20}))?", requirements, re.MULTILINE)
+        yield from _python({name: needed or "0" for name, needed in named[:_MOST_PACKAGES]})
+        yield _home()
     yield from _temporary_folder()
 
 
@@ -121,37 +113,67 @@ def _glibc() -> Iterator[Finding]:
     yield Finding(not remedy, f"glibc {version}, and 2.17 or later is needed", remedy)
 
 
-def _python(packages: list[str]) -> Iterator[Finding]:
+def _ask(program: str, packages: list[str], without: str = "") -> tuple[dict[str, Any] | None, str]:
+    """What a Python says of itself, None if it does not answer, and the last it said otherwise.
+
+    Whatever a sitecustomize or a wrapper prints stands around the answer, which has a mark.
+    """
+    text = Path(surroundings.__file__).read_text(encoding="utf-8")
+    environment = {name: value for name, value in os.environ.items() if name != without}
+    try:
+        ran = subprocess.run(
+            [program, "-c", _QUESTION, text, *packages],
+            stdin=subprocess.DEVNULL,  # PYTHONINSPECT makes Python wait for input
+            capture_output=True,
+            env=environment,
+            check=False,
+        )
+    except OSError as error:
+        return None, str(error)
+    for line in reversed(ran.stdout.decode(errors="replace").splitlines()):
+        if line.startswith(_MARK):
+            answer: dict[str, Any] = json.loads(line.removeprefix(_MARK))
+            return answer, ""
+    said = [line for line in ran.stderr.decode(errors="replace").splitlines() if line.strip()]
+    return None, ([line for line in said if "rror" in line] or said or ["it said nothing"])[-1].strip()
+
+
+def _python(requirements: dict[str, str]) -> Iterator[Finding]:
     """The Python that a host without one would load: the first on PATH."""
     program = which("python" if system() == "Windows" else "python3")
     if program is None:
         yield Finding(False, "there is no Python on PATH", "install Python 3.11 or later, or use the native FMU")
         return
-    command = [program, "-c", _QUESTION, *packages]
-    ran = subprocess.run(command, capture_output=True, text=True, check=False)
-    try:
-        answer = json.loads(ran.stdout.splitlines()[-1])
-    except (ValueError, IndexError):
-        said = ran.stderr.strip().splitlines()[-1:] or ["nothing"]
-        yield Finding(False, f"{program} does not run ({said[0]})", "put a working Python first on PATH")
+    answer, said = _ask(program, list(requirements))
+    if answer is None:
+        yield _does_not_start(program, said)
         return
     version = ".".join(map(str, answer["version"]))
-    new = tuple(answer["version"][:2]) >= _OLDEST_PYTHON
-    remedy = "" if new else "put a Python 3.11 or later first on PATH, or use the native FMU"
-    yield Finding(new, f"Python {version} on PATH: {answer['executable']}", remedy)
-    yield from _packages(answer)
+    yield _judged(
+        surroundings.python_problem(answer["executable"], answer["version"], answer["bits"]),
+        f"Python {version} on PATH: {answer['executable']}",
+    )
+    for package, found in answer["packages"].items():
+        needed = requirements[package]
+        problem = surroundings.package_problem(package, needed, found, answer["executable"])
+        yield _judged(problem, f"it has {package} {found[0]}, and {needed} or newer is needed")
     yield from _libpython(answer["library"])
 
 
-def _packages(answer: dict[str, object]) -> Iterator[Finding]:
-    packages = answer["packages"]
-    assert isinstance(packages, dict)
-    for package, version in packages.items():
-        if version is None:
-            remedy = f"{answer['executable']} -m pip install {package}"
-            yield Finding(False, f"this Python cannot import {package}", remedy)
-        else:
-            yield Finding(True, f"it has {package} {version}")
+def _judged(problem: str | None, good: str) -> Finding:
+    """A finding from a sentence on what is wrong and, behind a colon, how to mend it."""
+    if problem is None:
+        return Finding(True, good)
+    text, _, remedy = problem.rpartition(": ")
+    return Finding(False, text, remedy)
+
+
+def _does_not_start(program: str, said: str) -> Finding:
+    for name in _MISLEADING:
+        if os.environ.get(name) and _ask(program, [], without=name)[0]:
+            text = f"{program} does not start with the environment variable {name} = {os.environ[name]} ({said})"
+            return Finding(False, text, f"unset {name}, or use the native FMU")
+    return Finding(False, f"{program} does not start ({said})", "put a working Python first on PATH")
 
 
 def _libpython(library: str | None) -> Iterator[Finding]:
@@ -167,12 +189,48 @@ def _libpython(library: str | None) -> Iterator[Finding]:
         yield Finding(False, "this Python has no shared library", remedy)
 
 
+def _home() -> Finding:
+    """Of no consequence, which is worth a line to those who look for one."""
+    home = os.environ.get("HOME") or os.environ.get("USERPROFILE")
+    if not home:
+        return Finding(True, "HOME is not set, and not needed")
+    state = "is writable" if os.access(home, os.W_OK) else "cannot be written"
+    return Finding(True, f"HOME = {home} {state}, and nothing is written there")
+
+
 def _temporary_folder() -> Iterator[Finding]:
     """Hosts extract FMUs there; some of them do not encode what a URI must encode."""
-    folder = tempfile.gettempdir()
-    awkward = sorted({character for character in folder if not re.match(r"[A-Za-z0-9/\\:._~-]", character)})
-    if not awkward:
-        yield Finding(True, f"FMUs are extracted to {folder}")
+    try:
+        folder = tempfile.gettempdir()
+    except FileNotFoundError as error:
+        yield Finding(
+            False, f"there is no folder to extract FMUs to ({error.strerror})", "set TMPDIR to a writable one"
+        )
         return
-    remedy = "set TMPDIR (Windows: TEMP) to a path of letters, digits, - and _ if a host fails to load the FMU"
-    yield Finding(False, f"FMUs are extracted to {folder}, which holds {' '.join(map(repr, awkward))}", remedy)
+    awkward = sorted({character for character in folder if not re.match(r"[A-Za-z0-9/\\:._~-]", character)})
+    if mounted_noexec(folder):
+        remedy = "set TMPDIR to a folder on another file system"
+        text = (
+            f"FMUs are extracted to {folder}, whose file system is mounted noexec: no library can be loaded from there"
+        )
+        yield Finding(False, text, remedy)
+    if awkward:
+        remedy = "set TMPDIR (Windows: TEMP) to a path of letters, digits, - and _ if a host fails to load the FMU"
+        yield Finding(False, f"FMUs are extracted to {folder}, which holds {' '.join(map(repr, awkward))}", remedy)
+    elif not mounted_noexec(folder):
+        yield Finding(True, f"FMUs are extracted to {folder}")
+
+
+def mounted_noexec(folder: str) -> bool:
+    """Whether the system refuses to run programs, and to load libraries, from a folder.
+
+    Parameters
+    ----------
+    folder : its path
+    """
+    if not hasattr(os, "statvfs"):
+        return False
+    try:
+        return bool(os.statvfs(folder).f_flag & os.ST_NOEXEC)
+    except OSError:
+        return False

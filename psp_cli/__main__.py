@@ -1,5 +1,5 @@
 """`python -m psp_cli` is `psp`."""
 
-from .main import app
+from .entry import main
 
-app(prog_name="psp")
+main()

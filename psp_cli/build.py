@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 import typer
 
 from .options import Network
+from .output import say
 
 
 def build(
@@ -29,8 +30,8 @@ def build(
     """Build an FMU: a platoon, or a part of one for traffic."""
     import build_fmu
 
-    arguments = ["--vehicles", str(vehicles), "--output", str(output), "--runtime", runtime, "--platforms", platforms]
-    arguments += ["--component", component]
-    for name, file in (("--network", network), ("--profile", profile)):
-        arguments += [name, str(file)] if file else []
-    raise typer.Exit(build_fmu.main(arguments))
+    options = build_fmu.Options(vehicles, component, output, runtime, platforms, network, profile)
+    path, lack = build_fmu.make(options)
+    say(build_fmu.said_of(path, options))
+    if lack:
+        say(lack)

@@ -8,6 +8,9 @@ from typing import Annotated
 import typer
 
 from .bad_input import BadInput
+from .interrupt import can_go_on
+from .options import command_line
+from .output import say
 
 
 def dataset(
@@ -24,7 +27,7 @@ def dataset(
     scheduler: Annotated[str | None, typer.Option(help="Address of a Dask scheduler to solve the chunks.")] = None,
 ) -> None:
     """Draw starts from the training domain and solve them."""
-    from psp_model.offline.dataset import make_dataset
+    from psp_model.offline.dataset import make_dataset, parts_of
     from psp_model.offline.plan import Plan
     from psp_model.selection.search.engine import Problem
     from psp_model.selection.search.search import EFFORTS
@@ -35,6 +38,8 @@ def dataset(
         raise BadInput(f"effort {effort!r} is not one of {', '.join(EFFORTS)}: choose one of these")
     path = output or Path(f"out/data/platoon_{vehicles}_{starts}_{seed}.parquet")
     plan = Plan(starts, seed, Problem(vehicles), effort=effort, tables=tables, chunk=chunk)
+    again = command_line("--resume")
+    can_go_on(lambda: again if parts_of(path).exists() else None)
     with chunks_done(f"{starts} starts of {vehicles} vehicles", plan.chunk) as watch:
         make_dataset(plan, path, resume=resume, scheduler=scheduler, watch=watch)
-    typer.echo(path)
+    say(path)

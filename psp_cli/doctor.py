@@ -7,18 +7,27 @@ from typing import Annotated
 
 import typer
 
+from .options import Json
+from .output import is_quiet, json_place, keep_stdout, say, write_json
 
-def doctor(fmu: Annotated[Path, typer.Argument(help="The FMU to look at.")]) -> None:
+
+def doctor(fmu: Annotated[Path, typer.Argument(help="The FMU to look at.")], json: Json = None) -> None:
     """Say what here would keep an FMU from loading, and how to mend it.
 
     The exit code is 0 where nothing needs mending and 1 where something does.
     """
     from fmu_src.doctor import examine
 
-    good = True
+    keep_stdout(place := json_place(json))
+    findings = []
     for finding in examine(fmu):
-        good = good and finding.good
         remedy = f": {finding.remedy}" if finding.remedy else ""
         text = " ".join(f"{finding.text}{remedy}".split())  # an archive may have put line breaks into it
-        typer.echo(f"{'ok  ' if finding.good else 'MEND'}  {text[:2000]}")
+        findings.append({"good": finding.good, "text": finding.text, "remedy": finding.remedy})
+        if is_quiet() and not finding.good:
+            typer.echo(f"psp: {text[:2000]}", err=True)
+        say(f"{'ok  ' if finding.good else 'MEND'}  {text[:2000]}")
+    good = all(finding["good"] for finding in findings)
+    if place is not None:
+        write_json(place, {"fmu": fmu, "good": good, "findings": findings})
     raise typer.Exit(0 if good else 1)

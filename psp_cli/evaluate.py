@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .bad_input import BadInput
+from .options import Json
+from .output import console, json_place, keep_stdout, say, write_json
 
 if TYPE_CHECKING:
     from psp_model.offline.evaluate import Evaluation, Judge
@@ -32,15 +34,17 @@ def evaluate(
         "out/evaluation"
     ),
     card: Annotated[bool, typer.Option("--card", help="Write the first network's model card beside it.")] = False,
+    json: Json = None,
 ) -> None:
     """Judge networks by closed-loop regret: table, picture, and a model card where asked for."""
     from psp_model.offline.parquet import read_dataset
 
     from .train import widths
 
+    keep_stdout(place := json_place(json))
     found = [read_dataset(path).first(starts) for path in data]
     judged = [_judge(each, network, widths(rollouts), ipopt, several=len(found) > 1) for each in found]
-    _report(judged, network[0], output, card)
+    _report(judged, network[0], output, card, place)
 
 
 def _judge(data: Dataset, networks: list[Path], rollouts: tuple[int, ...], ipopt: int, several: bool) -> Evaluation:
@@ -60,11 +64,10 @@ def _judge(data: Dataset, networks: list[Path], rollouts: tuple[int, ...], ipopt
     return judge.evaluation
 
 
-def _report(judged: list[Evaluation], network: Path, output: Path, card: bool) -> None:
+def _report(judged: list[Evaluation], network: Path, output: Path, card: bool, place: str | None) -> None:
     """Write table, picture and perhaps the card, and show the table."""
     import json
 
-    from rich.console import Console
     from rich.markdown import Markdown
 
     from psp_model.offline.by_number import by_number_dict, regret_markdown, regret_picture
@@ -82,10 +85,12 @@ def _report(judged: list[Evaluation], network: Path, output: Path, card: bool) -
         table = regret_markdown(content)
         regret_picture(content, image, command)
     write_whole(output / f"{network.stem}.json", json.dumps(content | {"command": command}, indent=1) + "\n")
-    Console(width=160).print(Markdown(table))
-    typer.echo(image)
+    console(width=160).print(Markdown(table))
+    say(image)
     if card:
-        typer.echo(write_card(network, judged, command))
+        say(write_card(network, judged, command))
+    if place is not None:
+        write_json(place, content)
 
 
 def _judge_network(

@@ -11,6 +11,7 @@ import typer
 from .bad_input import BadInput
 from .compare import cases_of
 from .options import Duration, Network, ScenarioFile, Seed, Set, Vehicles, command_line, gather
+from .output import say
 
 if TYPE_CHECKING:
     from psp_model.analysis.cases import Case
@@ -40,8 +41,9 @@ def figures(
     cases = cases_of(wanted, network) if set(chosen) - {"potentials"} else []
     makers = _makers(cases)
     for name in chosen:
-        for file in save(makers[name](command_line()), output / f"{name}.{'pdf' if pdf else 'svg'}", command_line()):
-            typer.echo(file)
+        drawn = makers[name](command_line())
+        for ending in ("png", "pdf" if pdf else "svg"):
+            say(save(drawn, output / f"{name}.{ending}", command_line()))
 
 
 def _makers(cases: list[Case]) -> dict[str, Callable[[str], Any]]:

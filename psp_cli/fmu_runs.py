@@ -6,7 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
+from tempfile import gettempdir
 from typing import Any
+
+from fmu_src.python.surroundings import NOEXEC
+from psp_model.errors import parts_of
 
 from .bad_input import BadInput
 from .options import require_countable
@@ -113,7 +117,9 @@ def run_fmu(fmu: Path, description: Any, scenario: Scenario, values: Mapping[str
     ------
     BadInput : with the sentence that the FMU logged where it refused
     """
-    from fmpy import simulate_fmu
+    from tempfile import TemporaryDirectory
+
+    from fmpy import extract, simulate_fmu
 
     log: list[tuple[int, str]] = []
 
@@ -125,21 +131,34 @@ def run_fmu(fmu: Path, description: Any, scenario: Scenario, values: Mapping[str
     step = scenario.step or values.get("T") or float(_start(description, "T"))
     require_countable(replace(scenario, step=step))
     try:
-        result = simulate_fmu(
-            str(fmu),
-            start_values=start_values,
-            stop_time=scenario.duration,
-            step_size=step,
-            output_interval=step,
-            logger=logger,
-        )
+        with TemporaryDirectory() as folder:
+            result = simulate_fmu(
+                extract(str(fmu), folder),
+                start_values=start_values,
+                stop_time=scenario.duration,
+                step_size=step,
+                output_interval=step,
+                debug_logging=True,  # without it an FMU tells of errors only
+                logger=logger,
+            )
     except Exception as error:  # fmpy's own exceptions say which call failed; the FMU's sentence says why
         sentences = [message for status, message in log if status >= _ERROR]
-        raise BadInput(sentences[-1] if sentences else f"{fmu} failed: {error}") from None
+        problem, remedy = parts_of(sentences[-1] if sentences else _of_the_host(fmu, error))
+        raise BadInput(problem, remedy) from None
     return FmuRun(result, tuple(message for status, message in log if status == _WARNING))
 
 
 _WARNING, _ERROR = 1, 3  # fmi2Status
+
+
+def _of_the_host(fmu: Path, error: Exception) -> str:
+    """What fmpy says against an FMU that says nothing itself."""
+    if NOEXEC not in str(error):
+        return f"{fmu} failed: {error}"
+    return (
+        f"{fmu} was extracted to {gettempdir()}, and its library cannot be loaded from there, because that file system "
+        "is mounted noexec: set TMPDIR to a folder on another one"
+    )
 
 
 def _start(description: Any, name: str) -> Any:
@@ -157,3 +176,16 @@ def listing(description: Any) -> str:
     rows += [[v.name, str(v.start), v.unit or "1", v.description] for v in parameters_of(description)]
     width = [max(len(row[i]) for row in rows) for i in range(3)]
     return "\n".join(f"{a:<{width[0]}}  {b:>{width[1]}}  {c:<{width[2]}}  {d}" for a, b, c, d in rows)
+
+
+def as_dict(description: Any) -> list[dict[str, Any]]:
+    """The same for JSON.
+
+    Parameters
+    ----------
+    description : from `inspect`
+    """
+    return [
+        {"name": v.name, "start": float(v.start), "unit": v.unit or "1", "meaning": v.description}
+        for v in parameters_of(description)
+    ]

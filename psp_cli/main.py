@@ -6,7 +6,10 @@ imported inside its function.
 
 from __future__ import annotations
 
-from typing import Any
+import inspect
+from collections.abc import Callable
+from functools import wraps
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
@@ -20,17 +23,16 @@ from . import (
     evaluate,
     explore,
     figures,
+    interrupt,
     optimize,
+    output,
     report,
     simulate,
     sumo,
     train,
 )
-from .bad_input import BadInput
-
-EXTRAS = {"matplotlib": "report", "nicegui": "explore", "jax": "offline", "optax": "offline", "pyarrow": "offline"}
-"""Which extra brings a package that the default install does without."""
-
+from .bad_input import of_the_user
+from .extras import CheckedCommand
 
 _LONGEST = 1000  # characters of a sentence
 
@@ -40,27 +42,33 @@ class Commands(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was asked for."""
+        interrupt.can_go_on(lambda: None)
         try:
-            return super().invoke(ctx)
-        except ModuleNotFoundError as error:
-            extra = EXTRAS.get((error.name or "").partition(".")[0])
-            if extra is None:
-                raise
-            typer.echo(f"psp: this needs {error.name}: install it with `pip install 'psp-platoon[{extra}]'`", err=True)
-            raise typer.Exit(2) from None
-        except (BadInput, ValueError) as error:
-            from psp_model.errors import ModelError
-            from psp_model.offline.errors import OfflineError
+            with output.speaking():
+                return super().invoke(ctx)
+        except KeyboardInterrupt:  # where `psp` runs inside another program
+            typer.echo(interrupt.sentence(), err=True)
+            raise typer.Exit(interrupt.CODE) from None
+        except BrokenPipeError:
+            raise  # whoever read the output has seen enough: typer ends quietly
+        except ImportError as error:
+            from psp_model.installed.extras import MissingExtra, explained
 
-            if not isinstance(error, BadInput | ModelError | OfflineError):
+            sentence = error if isinstance(error, MissingExtra) else explained(error, f"psp {ctx.invoked_subcommand}")
+            if sentence is None:
                 raise
-            typer.echo(f"psp: {_one_line(str(error))}", err=True)
+            typer.echo(f"psp: {_one_line(str(sentence))}", err=True)
             raise typer.Exit(2) from None
         except OSError as error:
             typer.echo(f"psp: {_one_line(_of_a_file(error))}", err=True)
             raise typer.Exit(2) from None
         except MemoryError:
             typer.echo("psp: there is no memory left for this: ask for less, or give it files of usual size", err=True)
+            raise typer.Exit(2) from None
+        except Exception as error:
+            if not of_the_user(error):
+                raise
+            typer.echo(f"psp: {_one_line(str(error))}", err=True)
             raise typer.Exit(2) from None
 
 
@@ -80,6 +88,41 @@ def _of_a_file(error: OSError) -> str:
     return f"{place} cannot be read or written ({error.strerror or error}): {remedy}, or choose another place"
 
 
+class Command(CheckedCommand):
+    """A command whose `--json` may stand alone: for standard output, as with `-`."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Give `--json` its value where it has none."""
+        end = args.index("--") if "--" in args else len(args)
+        arguments = any(one.param_type_name == "argument" for one in self.params)  # an FMU is not taken for its file
+        for i in [i for i in range(end) if args[i] == "--json"]:
+            following = args[i + 1] if i + 1 < end else "--"
+            named = following.lower().endswith(".json") or not (arguments or following.startswith("-"))
+            if following != output.STDOUT and not named:
+                args[i] = f"--json={output.STDOUT}"
+        return super().parse_args(ctx, args)
+
+
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Say errors only.")]
+
+
+def _with_quiet(command: Callable[..., None]) -> Callable[..., None]:
+    """The command with an option --quiet besides its own."""
+
+    @wraps(command)
+    def run(*arguments: Any, quiet: bool = False, **options: Any) -> None:
+        if quiet:
+            output.be_quiet()
+        command(*arguments, **options)
+
+    own = inspect.signature(command, eval_str=True)
+    kind = inspect.Parameter.KEYWORD_ONLY
+    parameters = [*own.parameters.values(), inspect.Parameter("quiet", kind, default=False, annotation=Quiet)]
+    run.__signature__ = own.replace(parameters=parameters)  # type: ignore[attr-defined]
+    run.__annotations__ = {one.name: one.annotation for one in parameters} | {"return": None}
+    return run
+
+
 app = typer.Typer(
     cls=Commands,
     no_args_is_help=True,
@@ -88,21 +131,44 @@ app = typer.Typer(
 )
 
 
+def _version(wanted: bool) -> None:
+    """Say the version and end."""
+    if wanted:
+        from importlib.metadata import PackageNotFoundError, version
+
+        try:
+            typer.echo(f"psp {version('psp-platoon')}")
+        except PackageNotFoundError:
+            typer.echo("psp, not installed: run from its sources")
+        raise typer.Exit
+
+
+Version = Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Say the version.")]
+
+
 @app.callback()
-def psp() -> None:
+def psp(
+    version: Version = False,
+    quiet: Quiet = False,
+) -> None:
     """A vehicle platoon with performance-sensitive potentials: build, run, certify, see and train it."""
+    if quiet:
+        output.be_quiet()
 
 
-app.command("build")(build.build)
-app.command("simulate")(simulate.simulate)
-app.command("compare")(compare.compare)
-app.command("certify")(certify.certify)
-app.command("figures")(figures.figures)
-app.command("report")(report.report)
-app.command("explore")(explore.explore)
-app.command("dataset")(dataset.dataset)
-app.command("optimize")(optimize.optimize)
-app.command("train")(train.train)
-app.command("evaluate")(evaluate.evaluate)
-app.command("doctor")(doctor.doctor)
-app.command("sumo")(sumo.sumo)
+for _command in (
+    build.build,
+    simulate.simulate,
+    compare.compare,
+    certify.certify,
+    figures.figures,
+    report.report,
+    explore.explore,
+    dataset.dataset,
+    optimize.optimize,
+    train.train,
+    evaluate.evaluate,
+    doctor.doctor,
+    sumo.sumo,
+):
+    app.command(_command.__name__, cls=Command)(_with_quiet(_command))

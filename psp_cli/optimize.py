@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from .bad_input import BadInput
+from .output import say
 
 
 def optimize(
@@ -42,4 +43,4 @@ def optimize(
     columns = {name: np.concatenate([part[name] for part in solved]) for name in solved[0]}
     write_optima(output, columns)
     failed = int((columns["error"] != "").sum())
-    typer.echo(f"{output}" + (f" ({failed} starts could not be solved: their J is NaN)" if failed else ""))
+    say(f"{output}" + (f" ({failed} starts could not be solved: their J is NaN)" if failed else ""))

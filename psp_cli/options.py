@@ -35,6 +35,15 @@ Network = Annotated[
     Path | None, typer.Option(metavar="FILE.onnx", help="Network instead of onnx/platoon_N.onnx.", show_default=False)
 ]
 
+Plot = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE.png|svg|pdf", help="Draw gaps, accelerations and speeds, as what the ending says."),
+]
+Json = Annotated[
+    str | None,
+    typer.Option("--json", metavar="[FILE.json|-]", help="Write the table as JSON, by default to standard output."),
+]
+
 
 def gather(
     vehicles: int | None, scenario: Path | None, assignments: list[str] | None, seed: int | None, duration: str | None
@@ -56,8 +65,10 @@ def gather(
     found = read_scenario(scenario) if scenario else Scenario()
     if vehicles is not None:
         if not 2 <= vehicles <= MOST_VEHICLES:
-            few = "few: a platoon has at least 2" if vehicles < 2 else f"many: choose at most {MOST_VEHICLES}"
-            raise BadInput(f"{vehicles} vehicles are too {few}")
+            few, remedy = (
+                ("few", "a platoon has at least 2") if vehicles < 2 else ("many", f"choose at most {MOST_VEHICLES}")
+            )
+            raise BadInput(f"{vehicles} vehicles are too {few}", remedy)
         if scenario and vehicles != found.vehicles:
             raise BadInput(
                 f"--vehicles {vehicles} contradicts {scenario}, which has {found.vehicles}: change one of them"
@@ -104,9 +115,10 @@ def network_file(vehicles: int, path: Path | None) -> ParameterNetwork | None:
     vehicles : n
     path : a network of the user's own
     """
+    from psp_model.installed.files import networks_folder
     from psp_model.selection.network import network_path, open_network
 
-    path = path or network_path(vehicles, Path(__file__).parents[1] / "onnx")
+    path = path or network_path(vehicles, networks_folder())
     if path is None:
         return None
     network = open_network(path)
@@ -114,9 +126,30 @@ def network_file(vehicles: int, path: Path | None) -> ParameterNetwork | None:
     return network
 
 
-def command_line() -> str:
-    """The command that was typed, for captions and reports."""
+def say_no_network(vehicles: int, consequence: str) -> None:
+    """Say on stderr that there is no network, so that nobody takes what runs instead for the network's choice.
+
+    Parameters
+    ----------
+    vehicles : n
+    consequence : what happens instead
+    """
+    from .output import say_on_stderr
+
+    say_on_stderr(f"psp: there is no network for {vehicles} vehicles: {consequence}")
+
+
+FIXED_INSTEAD = "parameter_source starts at 2, a fixed alpha, r, p"
+
+
+def command_line(*more: str) -> str:
+    """The command that was typed, for captions and reports.
+
+    Parameters
+    ----------
+    more : options to add where they were not given
+    """
     import shlex
     import sys
 
-    return shlex.join(["psp", *sys.argv[1:]])
+    return shlex.join(["psp", *sys.argv[1:], *(option for option in more if option not in sys.argv)])

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from .output import is_quiet
+
 
 @contextmanager
 def chunks_done(title: str, size: int = 1) -> Iterator[Callable[[int, int], None]]:
@@ -15,6 +17,9 @@ def chunks_done(title: str, size: int = 1) -> Iterator[Callable[[int, int], None
     title : what is being done
     size : items in a chunk, for the count that is shown
     """
+    if is_quiet():
+        yield lambda done, total: None
+        return
     from rich.console import Console
     from rich.progress import (
         BarColumn,

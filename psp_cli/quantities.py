@@ -51,7 +51,7 @@ def quantity(given: str | float, unit: str, name: str) -> float:
         return number
     if written not in _FACTORS[unit]:
         known = ", ".join(filter(None, _FACTORS[unit])) if unit != "1" else "none"
-        raise BadInput(f"{name} = {given!r} has the unit {written!r}, which does not fit: use one of: {known}")
+        raise BadInput(f"{name} = {given!r} has the unit {written!r}, which does not fit", f"use one of: {known}")
     return number * _FACTORS[unit][written]
 
 

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .bad_input import BadInput
 from .compare import cases_of
 from .options import Duration, Network, ScenarioFile, Seed, Set, Vehicles, command_line, gather, network_file
+from .output import say
+from .pictures import FILMS, PAGES, require_ending
 
 if TYPE_CHECKING:
     from psp_model.analysis.cases import Case
@@ -32,21 +33,20 @@ def report(
 
     The runs are those of `psp compare`, or those that a scenario file names.
     """
+    require_ending(output, PAGES, "--output")
+    require_ending(animate, FILMS, "--animate")
+    wanted = gather(vehicles, scenario, assignments, seed, duration)
     from psp_view.report import write_report
 
-    wanted = gather(vehicles, scenario, assignments, seed, duration)
     cases = cases_of(wanted, network)
     write_report(cases, output, command_line(), network_file(wanted.vehicles, network), title)
-    typer.echo(f"{output}: {output.stat().st_size / 1e6:.1f} MB")
+    say(f"{output}: {output.stat().st_size / 1e6:.1f} MB")
     if animate is not None:
         _film(cases, animate)
-        typer.echo(animate)
+        say(animate)
 
 
 def _film(cases: list[Case], path: Path) -> None:
-    from psp_view.film import FilmError, write_film
+    from psp_view.film import write_film
 
-    try:
-        write_film(cases, path)
-    except FilmError as error:
-        raise BadInput(str(error)) from None
+    write_film(cases, path)

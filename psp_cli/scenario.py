@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from psp_model import ModelError, StartDomain
+from psp_model import PspError, StartDomain
 
 from .bad_input import BadInput
 from .quantities import MOST_VEHICLES, quantity
@@ -160,8 +160,8 @@ def _in_si_units(table: ScenarioTable, text: str, path: Path) -> Scenario:
     def at(location: tuple[Any, ...], convert: Any) -> Any:
         try:
             return convert()
-        except (BadInput, ModelError) as error:
-            raise BadInput(f"{path}:{line_of(text, location)}: {error}") from None
+        except PspError as error:
+            raise BadInput(f"{path}:{line_of(text, location)}: {error.problem}", error.remedy) from None
 
     n = table.vehicles
     values: dict[str, float] = at(("start",), lambda: start_values(table.start, n))

@@ -93,7 +93,13 @@ def setup(values: Mapping[str, float], vehicles: int, has_network: bool = True) 
             _require_choice(row.name, read[row.name], row.minimum, row.maximum)
     value, rows = read.__getitem__, {row.name: row for row in table}
     start = start_of(value, vehicles, constants_of(value))
-    return Setup(start, request_of(value, rows), weights_of(value), sampling_of(value, rows))
+    return Setup(
+        start,
+        request_of(value, rows),
+        weights_of(value),
+        sampling_of(value, rows),
+        not has_network and "parameter_source" not in values,
+    )
 
 
 def _require_choice(name: str, value: float, low: float | None, high: float | None) -> None:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from .bad_input import BadInput
-from .options import Duration, ScenarioFile, Seed, Set, command_line, gather
+from .options import Duration, Json, Plot, ScenarioFile, Seed, Set, command_line, gather
+from .output import STDOUT, json_place, keep_stdout, kept_stdout, say, say_on_stderr, write_json
+from .pictures import PICTURES, require_ending
 
 if TYPE_CHECKING:
     from psp_model import Run
@@ -26,13 +28,17 @@ def simulate(
     seed: Seed = None,
     duration: Duration = None,
     step: Annotated[str | None, typer.Option(help="Communication step. [default: the sampling period]")] = None,
-    csv: Annotated[Path | None, typer.Option(metavar="FILE.csv", help="Write all outputs.")] = None,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw gaps, accelerations and speeds.")] = None,
+    csv: Annotated[
+        Path | None, typer.Option(metavar="FILE.csv|-", help="Write all outputs; - is standard output.")
+    ] = None,
+    plot: Plot = None,
+    json: Json = None,
     names: Annotated[bool, typer.Option("--list", help="List the parameters and stop.")] = False,
 ) -> None:
     """Run an FMU; print, write or draw what comes out."""
-    from psp_view.results import run_from_result, write_csv
-
+    require_ending(plot, PICTURES, "--plot")
+    place = json_place(json)
+    keep_stdout(csv, place)
     from . import fmu_runs
 
     if scenario and fmu is None:
@@ -42,25 +48,42 @@ def simulate(
     fmu = fmu or DEFAULT_FMU
     description = fmu_runs.inspect(fmu)
     if names:
-        typer.echo(fmu_runs.listing(description))
+        say(fmu_runs.listing(description))
+        if place is not None:
+            write_json(place, {"parameters": fmu_runs.as_dict(description)})
         return
     wanted = gather(fmu_runs.vehicles_of(description), scenario, assignments, seed, duration)
     if step is not None:
         wanted = _with_step(wanted, step)
+    if str(csv) == STDOUT and len(wanted.runs) > 1:
+        raise BadInput(f"--csv - takes one run, not the {len(wanted.runs)} of {scenario}: give it the name of a file")
+    runs = _runs(fmu, description, wanted, csv)
+    _show(runs, plot, place)
+
+
+def _runs(fmu: Path, description: Any, wanted: Scenario, csv: Path | None) -> dict[str, Run]:
+    """Run what is wanted, and write each run's outputs as CSV where asked."""
+    from psp_view.results import run_from_result, write_csv, write_rows
+
+    from . import fmu_runs
+
     runs: dict[str, Run] = {}
     for name, extra in (wanted.runs or {fmu.stem: {}}).items():
         out = fmu_runs.run_fmu(fmu, description, wanted, wanted.values | extra)
         for sentence in out.warnings:
-            typer.echo(f"psp: warning: {sentence}", err=True)
+            say_on_stderr(f"psp: warning: {name}: {sentence}" if wanted.runs else f"psp: warning: {sentence}")
         try:
             runs[name] = run_from_result(out.result)
         except KeyError as error:
             raise BadInput(f"{fmu} does not put out {error.args[0]}: build the FMU anew") from None
         if csv is not None:
             file = csv if len(wanted.runs) < 2 else csv.with_name(f"{csv.stem}-{len(runs)}{csv.suffix}")
-            write_csv(file, out.result)
-            typer.echo(f"{file}: {name}")
-    _show(runs, plot)
+            if str(csv) == STDOUT:
+                write_rows(kept_stdout(), out.result)
+            else:
+                write_csv(file, out.result)
+                say(f"{file}: {name}")
+    return runs
 
 
 def _with_step(scenario: Scenario, step: str) -> Scenario:
@@ -72,14 +95,16 @@ def _with_step(scenario: Scenario, step: str) -> Scenario:
     return replace(scenario, step=length)
 
 
-def _show(runs: dict[str, Run], plot: Path | None) -> None:
-    """Print the figures of the runs, and draw them where asked."""
+def _show(runs: dict[str, Run], plot: Path | None, place: str | None) -> None:
+    """Print the figures of the runs, draw them and write them where asked."""
 
-    from .tables import figures_table
+    from .tables import as_dict, figures_table
 
-    typer.echo(figures_table({name: run.figures() for name, run in runs.items()}))
+    columns = {name: run.figures() for name, run in runs.items()}
+    say(figures_table(columns))
     if plot is not None:
         from psp_view.runs import save_runs
 
-        for file in save_runs(runs, plot, command_line()):
-            typer.echo(file)
+        say(save_runs(runs, plot, command_line()))
+    if place is not None:
+        write_json(place, {"runs": {name: as_dict(figures) for name, figures in columns.items()}})

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -10,6 +11,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from .bad_input import BadInput
+from .interrupt import can_go_on
+from .options import Json, command_line
+from .output import json_place, keep_stdout, say_on_stderr, write_json
+from .pictures import PICTURES, require_ending
 
 if TYPE_CHECKING:
     from psp_model.vehicles.leader import Profile
@@ -52,17 +57,18 @@ def sumo(
         typer.Option("--output", "-o", metavar="FILE.json", help="Keep every run there, and go on from what is there."),
     ] = None,
     plot: Annotated[
-        Path | None, typer.Option(metavar="FILE.png", help="Draw the gaps of the first start, or what the sweep gave.")
+        Path | None,
+        typer.Option(metavar="FILE.png|svg|pdf", help="Draw the gaps of the first start, or what the sweep gave."),
     ] = None,
+    json: Json = None,
 ) -> None:
     """Compare V_new and V_old with SUMO's IDM, ACC and CACC: collisions, comfort, capacity, emissions."""
-    from importlib.util import find_spec
     from tempfile import TemporaryDirectory
 
     from .fmu_runs import description_of
 
-    if find_spec("libsumo") is None or find_spec("sumo") is None:
-        raise BadInput("psp sumo needs SUMO: pip install 'psp-platoon[sumo]'")
+    require_ending(plot, PICTURES, "--plot")
+    keep_stdout(place := json_place(json))
     if fmu is not None and not fmu.exists():
         raise BadInput(f"{fmu} does not exist: build it with build_fmu.py --component controller, or leave --fmu out")
     if fmu is not None and not any(variable.name == "n_active" for variable in description_of(fmu).modelVariables):
@@ -72,15 +78,38 @@ def sumo(
         raise BadInput("--plot draws one situation: name one of " + ", ".join(names))
     seeds = range(seed, seed + (starts or (_SWEEP_STARTS if sweep else _STARTS)))
     leader = _leader(profile, names)
-    with TemporaryDirectory() as folder:
+    again = command_line()
+    can_go_on(lambda: again if output is not None and output.exists() else None)
+    with TemporaryDirectory() as folder, _warnings_said():
         used = fmu or _built(Path(folder), runtime)
         results = _results(output, used, profile, duration, sweep)
         if sweep:
-            _sweep(names, used, seeds, duration, results, plot)
+            found = _sweep(names, used, seeds, duration, results, plot)
         else:
-            _compare(names, used, seeds, duration, leader, results)
+            found = _compare(names, used, seeds, duration, leader, results)
             if plot is not None:
                 _draw_gaps(names[0], used, seed, duration, leader, plot)
+    if place is not None:
+        write_json(place, found)
+
+
+@contextmanager
+def _warnings_said() -> Iterator[None]:
+    """What controllers say goes to stderr as warnings; each begins with situation, driver and start."""
+    import logging
+
+    class Said(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            say_on_stderr(f"psp: warning: {' '.join(record.getMessage().split())}")
+
+    log, handler = logging.getLogger("psp_traffic"), Said()
+    log.addHandler(handler)
+    log.propagate = False
+    try:
+        yield
+    finally:
+        log.removeHandler(handler)
+        log.propagate = True
 
 
 def _situations(situation: Situation, sweep: bool) -> list[str]:
@@ -98,11 +127,8 @@ def _situations(situation: Situation, sweep: bool) -> list[str]:
 def _built(folder: Path, runtime: str) -> Path:
     import build_fmu
 
-    options = build_fmu.parse(["--component", "controller", "--runtime", runtime, "--output", str(folder)])
-    try:
-        return build_fmu.build(options, build_fmu.networks_for(options))
-    except RuntimeError as error:
-        raise BadInput(str(error)) from None
+    options = build_fmu.Options(component="controller", runtime=runtime, output=folder)
+    return build_fmu.make(options)[0]
 
 
 def _leader(path: Path | None, names: Sequence[str]) -> Profile | None:
@@ -123,10 +149,8 @@ def _results(output: Path | None, fmu: Path, profile: Path | None, duration: flo
     """Where the runs are kept, refused where they were made otherwise."""
     from importlib.metadata import version
 
-    from psp_traffic.results import Results, ResultsError, digest
+    from psp_traffic.results import Results, digest
     from psp_traffic.scenario import WLTC_HIGH
-
-    from .options import command_line
 
     settings = {
         "sweep": sweep,
@@ -135,10 +159,7 @@ def _results(output: Path | None, fmu: Path, profile: Path | None, duration: flo
         "profile": digest(profile or WLTC_HIGH),
         "sumo": version("libsumo"),
     }
-    try:
-        return Results(output, settings, command_line())
-    except ResultsError as error:
-        raise BadInput(str(error)) from None
+    return Results(output, settings, command_line())
 
 
 def _compare(
@@ -148,40 +169,56 @@ def _compare(
     duration: float | None,
     leader: Profile | None,
     results: Results,
-) -> None:
+) -> dict[str, Any]:
+    """Run the comparison, show its tables, and give it for JSON."""
+    from dataclasses import asdict
+
     from psp_traffic.compare import compare, count, situation, title
-    from psp_traffic.summary import table
 
     from .progress import steps_done
+    from .sumo_tables import show_measures
 
-    parts = []
+    rows: dict[str, Any] = {}
+    headings = {}
     with steps_done("runs in SUMO", count(names, len(seeds))) as progress:
         for name in names:
             found = {seed: situation(name, seed, duration, leader) for seed in seeds}
-            rows = compare(found, fmu, results, progress)
-            parts.append(f"{title(found[seeds[0]], len(seeds))}\n\n{table(rows)}")
-    typer.echo("\n\n".join(parts))
+            rows[name] = compare(found, fmu, results, progress)
+            headings[name] = title(found[seeds[0]], len(seeds))
+    for name, of_drivers in rows.items():
+        show_measures(headings[name], of_drivers)
+    plain = {name: {d: [asdict(one) for one in runs] for d, runs in found.items()} for name, found in rows.items()}
+    return {"seeds": list(seeds), "situations": plain}
 
 
 def _sweep(
     names: Sequence[str], fmu: Path, seeds: Sequence[int], duration: float | None, results: Results, plot: Path | None
-) -> None:
+) -> dict[str, Any]:
+    """Run the sweep, show its tables, and give it for JSON."""
+    from dataclasses import asdict
+
     from psp_traffic.compare import situation
-    from psp_traffic.sweep import DELAYS, DURATIONS, LAGS, sweep, sweep_text, title
+    from psp_traffic.sweep import DELAYS, DURATIONS, LAGS, sweep, title
     from psp_view.traffic import draw_tolerance
 
-    from .options import command_line
     from .progress import steps_done
+    from .sumo_tables import show_tolerances
 
-    parts = []
+    found = {}
     with steps_done("runs in SUMO", 2 * len(names) * len(seeds) * len(DELAYS) * len(LAGS)) as progress:
         for name in names:
-            found = {seed: situation(name, seed, duration or DURATIONS[name]) for seed in seeds}
-            tolerances = sweep(found, fmu, results, progress=progress)
+            starts = {seed: situation(name, seed, duration or DURATIONS[name]) for seed in seeds}
+            found[name] = sweep(starts, fmu, results, progress=progress)
             if plot is not None:
-                _save(draw_tolerance(tolerances, title(name, len(seeds)), command_line()), plot)
-            parts.append(f"**{title(name, len(seeds))}**\n\n{sweep_text(tolerances)}")
-    typer.echo("\n\n".join(parts))
+                _save(draw_tolerance(found[name], title(name, len(seeds)), command_line()), plot)
+    plain = {}
+    for name, tolerances in found.items():
+        show_tolerances(title(name, len(seeds)), tolerances)
+        plain[name] = [
+            {"driver": driver, "delay": delay, "lag": lag, "trials": [asdict(one) for one in row.trials]}
+            for (driver, delay, lag), row in tolerances.items()
+        ]
+    return {"seeds": list(seeds), "sweeps": plain}
 
 
 def _draw_gaps(name: str, fmu: Path, seed: int, duration: float | None, leader: Profile | None, plot: Path) -> None:
@@ -190,7 +227,6 @@ def _draw_gaps(name: str, fmu: Path, seed: int, duration: float | None, leader: 
     from psp_traffic.simulation import simulate
     from psp_view.traffic import draw_following
 
-    from .options import command_line
     from .progress import steps_done
 
     scenario = situation(name, seed, duration, leader)
@@ -206,7 +242,4 @@ def _draw_gaps(name: str, fmu: Path, seed: int, duration: float | None, leader: 
 def _save(figure: Any, path: Path) -> None:
     from psp_view.style import save
 
-    from .options import command_line
-
-    for file in save(figure, path, command_line()):
-        typer.echo(file, err=True)
+    say_on_stderr(save(figure, path, command_line()))

@@ -27,6 +27,16 @@ def figures_table(columns: Mapping[str, Sequence[Figure]]) -> str:
     return aligned(rows)
 
 
+def as_dict(figures: Sequence[Figure]) -> dict[str, dict[str, str | float]]:
+    """The figures of a run for JSON: value and unit by name.
+
+    Parameters
+    ----------
+    figures : of the run
+    """
+    return {figure.label: {"value": figure.value, "unit": figure.unit} for figure in figures}
+
+
 def aligned(rows: Sequence[Sequence[str]]) -> str:
     """Columns of text: the first to the left, the others to the right.
 

@@ -9,10 +9,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from .bad_input import BadInput
+from .interrupt import can_go_on
+from .options import command_line
+from .output import say
 
 if TYPE_CHECKING:
     from psp_model.offline.mixture import Mixture
     from psp_model.offline.recipes import Recipe
+
+PARTS = ("parameters", "ranking")
 
 
 def train(
@@ -52,8 +57,10 @@ def train(
     found = Mixture(tuple(read_dataset(path).first(most) for path in data))
     folder = curves or Path("out/training")
     files = _Files(output, folder, resume)
+    again = command_line("--resume")
+    can_go_on(lambda: again if any(files.checkpoint(part).exists() for part in PARTS) else None)
     _train(found, chosen, seed, files, candidates, widths(ranking_hidden))
-    typer.echo(output)
+    say(output)
 
 
 class _Files:
@@ -64,7 +71,7 @@ class _Files:
         folder.mkdir(parents=True, exist_ok=True)
         output.parent.mkdir(parents=True, exist_ok=True)
         if not resume:
-            for part in ("parameters", "ranking"):
+            for part in PARTS:
                 self.checkpoint(part).unlink(missing_ok=True)
 
     def checkpoint(self, part: str) -> Path:
@@ -104,7 +111,7 @@ def _train(
         parameters = fit_parameters(data, recipe, seed, files.checkpoint("parameters"), watch)
     label = "mean squared error" if recipe.name == "mse" else "regret"
     curves(parameters.fit.history, parameters.fit.best_epoch, files.picture("parameters"), command, label)
-    typer.echo(f"{label} on the test part: {parameters.test_loss:.5f} (epoch {parameters.fit.best_epoch + 1} kept)")
+    say(f"{label} on the test part: {parameters.test_loss:.5f} (epoch {parameters.fit.best_epoch + 1} kept)")
     ranking: Any = None
     dictionary = None
     if candidates:

@@ -1,7 +1,7 @@
 """The platoon model of Tzortzoglou et al. and everything computed with it; knows nothing of FMI."""
 
 from .batch import Runs, simulate_many
-from .errors import ModelError
+from .errors import ModelError, PspError
 from .law.controller import Controller, PaperLaw
 from .law.feedback import feedback
 from .law.potential import BEST_FIXED, V_OLD, Potential, PotentialParameters, potential, potential_slope
@@ -34,6 +34,7 @@ __all__ = [
     "PlatoonState",
     "Potential",
     "PotentialParameters",
+    "PspError",
     "Run",
     "Runs",
     "SampledPlatoon",

@@ -96,6 +96,7 @@ class Measurement:
     n_active : vehicles under control
     resolve : alpha, r, p are chosen anew where this rises above 0.5
     age : time since gaps and speeds were measured [s]
+    age_rounding : how far the age may be off because clocks are rounded [s]
     v_desired : desired speed instead of v_star, 0 to stand, None for v_star [m/s] (ours: the paper has one v_star for
         good)
     """
@@ -105,6 +106,7 @@ class Measurement:
     n_active: float
     resolve: float = 0.0
     age: float = 0.0
+    age_rounding: float = 0.0
     v_desired: float | None = None
 
 
@@ -215,7 +217,7 @@ def _in_order(settings: ControllerSettings, measured: Measurement) -> Measuremen
         raise ModelError("active", n, settings.capacity)
     if not np.isfinite(measured.age):
         raise ModelError("age", measured.age)
-    if not measured.age <= settings.max_age:
+    if not measured.age <= settings.max_age + measured.age_rounding:
         raise ModelError("stale", measured.age, settings.max_age)
     if not np.isfinite(measured.resolve):
         raise ModelError("finite", "resolve", measured.resolve, "1")
@@ -266,7 +268,12 @@ def _fail_safe(settings: ControllerSettings, before: Command, measured: Measurem
     active = int(n) if 1 <= n <= settings.capacity and n == int(n) else settings.capacity
     a[active:] = 0.0
     return replace(
-        before, a=a, saturated=np.zeros(settings.capacity, dtype=bool), in_order=False, T_max=0.0, faults=before.faults + 1
+        before,
+        a=a,
+        saturated=np.zeros(settings.capacity, dtype=bool),
+        in_order=False,
+        T_max=0.0,
+        faults=before.faults + 1,
     )
 
 

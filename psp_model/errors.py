@@ -1,12 +1,16 @@
-"""The one exception of the model, and the sentences it carries.
+"""The root of all errors that a user can cause, the model's own error, and the sentences it carries.
 
 Every sentence says value, unit, limit and remedy.  They are printf formats so that the native FMU, which has
-no Python, prints the same words: `fmu_src` copies this table into its C sources.
+no Python, prints the same words: `fmu_src` copies this table into its C sources.  The one colon in a sentence that a
+space follows stands between problem and remedy.
 """
 
+from __future__ import annotations
+
 import re
+from collections.abc import Mapping
 from itertools import combinations
-from typing import Any
+from typing import Any, ClassVar
 
 SENTENCES = {
     "finite": "%s must be a finite number, not %.10g: give it a value in %s",
@@ -15,6 +19,8 @@ SENTENCES = {
     "raise lambda or lower L",
     "v_max": "v_max = %.10g m/s must be positive: it is the speed limit, give it a speed above 0 m/s",
     "v_star": "v_star = %.10g m/s must lie strictly between 0 m/s and v_max = %.10g m/s: lower v_star or raise v_max",
+    "v_star_backwards": "v_star = %.10g m/s must lie strictly between 0 m/s and v_max = %.10g m/s: give it a speed "
+    "above 0 m/s",
     "epsilon": "epsilon = %.10g m/s2 must be positive: it is the width over which f is smoothed, "
     "give it a value above 0 m/s2",
     "mu": "mu = %.10g 1/s must be positive: it is the smallest feedback gain, give it a value above 0 1/s",
@@ -33,15 +39,18 @@ SENTENCES = {
     "vehicles": "%d vehicles are too few: a platoon has at least 2",
     "shape": "%d gaps and %d speeds do not belong to one platoon: n vehicles have n - 1 gaps and n speeds",
     "gap": "gap s[%d] = %.10g m must exceed L = %.10g m: start the vehicles further apart or lower L",
-    "speed": "speed v[%d] = %.10g m/s must lie in [0, %.10g] m/s: start vehicle %d slower than v_max and not backwards",
-    "lemma1_gap": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1): vehicle %d could close its gap "
-    "s[%d] = %.10g m to L = %.10g m at v_max = %.10g m/s within T; choose T < %.10g s, or lemma1_policy 3",
-    "lemma1_fast": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1): vehicle %d, at "
+    "gap_order": "gap s[%d] = %.10g m must be above 0 m: start vehicle %d behind vehicle %d",
+    "speed": "speed v[%d] = %.10g m/s must lie in [0, %.10g] m/s: start vehicle %d no faster than v_max, or raise "
+    "v_max",
+    "speed_backwards": "speed v[%d] = %.10g m/s must lie in [0, %.10g] m/s: start vehicle %d at 0 m/s or more",
+    "lemma1_gap": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1), as vehicle %d could close its "
+    "gap s[%d] = %.10g m to L = %.10g m at v_max = %.10g m/s within T: choose T < %.10g s, or lemma1_policy 3",
+    "lemma1_fast": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1), as vehicle %d, at "
     "v[%d] = %.10g m/s with a[%d] = %.10g m/s2, would reach v_max = %.10g m/s within "
-    "T; choose T < %.10g s, or lemma1_policy 3",
-    "lemma1_slow": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1): vehicle %d, at "
+    "T: choose T < %.10g s, or lemma1_policy 3",
+    "lemma1_slow": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1), as vehicle %d, at "
     "v[%d] = %.10g m/s with a[%d] = %.10g m/s2, would come to a stop, %.10g m/s, within "
-    "T; choose T < %.10g s, or lemma1_policy 3",
+    "T: choose T < %.10g s, or lemma1_policy 3",
     "choice": "%s = %d must lie in %d to %d: choose one of these whole numbers",
     "count": "%s = %d must be at least 1: choose a larger whole number",
     "horizon": "rollout_horizon = %.10g s must be positive and finite: give it a time above 0 s",
@@ -61,45 +70,61 @@ SENTENCES = {
     "fallback": "the initial state has %s: alpha = %.10g, r = %.10g m, p = %.10g are used instead of the network's",
     "left_gap": "gap s[%d] = %.10g m has fallen to L = %.10g m at t = %.10g s, where the model ends: choose a smaller "
     "T, or lemma1_policy 3",
-    "fixed": "%s is a fixed parameter: set it before initialisation ends, or reset the FMU first",
-    "output": "%s is an output and cannot be set: set parameters only",
-    "reference": "value reference %d belongs to no %s variable of this FMU: take it from modelDescription.xml",
-    "internal": "internal error in %s, %s: please report it with the start values that led to it",
-    "compiler": "the rollouts could not be compiled (%s): install the extra psp-platoon[offline], which brings "
-    "a C compiler",
+    "networks": "%s holds no networks, although this project brings some: install it anew, or put the folder back",
+    "onnxruntime": "the Python %s cannot import onnxruntime (%s): run %s -m pip install onnxruntime, or use "
+    "parameter_source 2, or the native FMU",
     "duration": "duration = %.10g s must be finite and not negative: give the run a length of 0 s or more",
     "batch_empty": "there are no starts to run: give at least one",
     "batch_starts": "start %d, with %d vehicles, does not go with the first, with %d: give all starts of a batch the same "
     "number of vehicles, at least 2, and the same constants",
     "batch_potentials": "%d potentials do not fit %d starts: give one for all, or one for each",
     "output_step": "output_step = %.10g s must be positive and finite: give it a time above 0 s",
-    "limits": "a_min = %.10g m/s2 must be negative and a_max = %.10g m/s2 positive: a vehicle has to be able to "
-    "slow down and to speed up",
-    "a_safe": "a_safe = %.10g m/s2 must lie between a_min = %.10g m/s2 and 0 m/s2: the safe action slows down",
+    "a_min": "a_min = %.10g m/s2 must be negative, as a vehicle has to be able to slow down: give it a value below "
+    "0 m/s2",
+    "a_max": "a_max = %.10g m/s2 must be positive, as a vehicle has to be able to speed up: give it a value above 0 "
+    "m/s2",
+    "a_safe": "a_safe = %.10g m/s2 must not be below a_min = %.10g m/s2: raise a_safe or lower a_min",
+    "a_safe_positive": "a_safe = %.10g m/s2 must not be above 0 m/s2, as the safe action slows down: give it 0 m/s2 or "
+    "less",
     "max_age": "max_age = %.10g s must be positive: it is the greatest age of an input, give it a time above 0 s",
     "phase": "phase = %.10g s must be at least 0 s and below T = %.10g s: it is the time of the first sampling instant",
     "active": "n_active = %.10g must be a whole number from 1 to %d: set the number of vehicles that are controlled",
-    "v_desired": "v_desired = %.10g m/s must lie strictly between 0 m/s and v_max = %.10g m/s, or be -1 for v_star: "
-    "choose another desired speed",
-    "measured_gap": "the measured gap s[%d] = %.10g m does not exceed L = %.10g m: no feedback is defined there, keep "
-    "the vehicles apart, lower L, or set bad_input to 2 for the safe action",
-    "measured_speed": "the measured speed v[%d] = %.10g m/s does not lie in [0, %.10g] m/s: no feedback is defined "
-    "there, raise v_max, or set bad_input to 2 for the safe action",
-    "stale": "the inputs are %.10g s old, more than max_age = %.10g s: measure more often, raise max_age, or set "
-    "bad_input to 2 for the safe action",
+    "v_desired": "v_desired = %.10g m/s is above v_max = %.10g m/s: lower v_desired or raise v_max",
+    "v_desired_backwards": "v_desired = %.10g m/s is below 0 m/s: give it 0 m/s to stand, or -1 m/s for v_star",
+    "v_desired_finite": "v_desired = %.10g m/s is not a finite number: give it a speed from 0 m/s to v_max = %.10g "
+    "m/s, or -1 m/s for v_star",
+    "measured_gap": "the measured gap s[%d] = %.10g m does not exceed L = %.10g m, and no feedback is defined there: "
+    "keep the vehicles apart, check the sensor, or lower L",
+    "measured_order": "the measured gap s[%d] = %.10g m is not above 0 m, as if vehicle %d were not behind vehicle %d: "
+    "number the vehicles from the front, or check the sensor",
+    "measured_speed": "the measured speed v[%d] = %.10g m/s is above v_max = %.10g m/s, and no feedback is defined "
+    "there: slow the vehicle down, check the sensor, or raise v_max",
+    "measured_backwards": "the measured speed v[%d] = %.10g m/s is below 0 m/s, and no feedback is defined for a "
+    "vehicle that rolls backwards: stop it, or check the sensor's zero",
+    "stale": "the inputs are %.10g s old, more than max_age = %.10g s: measure more often, or raise max_age",
+    "age": "the inputs are %.10g s old, which is not a finite number: set t_measured to the time of measurement, or to "
+    "-1 s for the time at which they are set",
     "safe_action": "the safe action is taken at t = %.10g s: %s",
     "lemma1_controller": "T = %.10g s is not below T_max = %.10g s at t = %.10g s for the measured gaps and speeds "
     "(Lemma 1): choose T < %.10g s, or lemma1_policy 2",
+    "lemma1_controller_gap": "T = %.10g s is not below T_max = %.10g s at t = %.10g s for the measured gap "
+    "s[%d] = %.10g m (Lemma 1): keep that gap above %.10g m, choose T < %.10g s, or lemma1_policy 2",
     "full": "a vehicle more than %d does not fit: remove one first, or build the FMU for more",
     "place": "%s = %.10g must be a whole number from %d to %d: name a vehicle of the platoon",
     "last": "the last vehicle cannot leave: a platoon has at least 1",
-    "insert_speed": "the joining vehicle's speed %.10g m/s must lie in [0, %.10g] m/s: let it join at another speed",
+    "insert_speed": "the joining vehicle's speed %.10g m/s must lie in [0, %.10g] m/s: let it join no faster than "
+    "v_max",
+    "insert_finite": "the joining vehicle's speed %.10g m/s must be a finite number: let it join at a speed from 0 m/s "
+    "to v_max = %.10g m/s",
+    "insert_backwards": "the joining vehicle's speed %.10g m/s must lie in [0, %.10g] m/s: let it join at 0 m/s or "
+    "more",
     "insert_gap": "a vehicle cannot join at place %d with a gap of %.10g m at %.10g m/s, where T = %.10g s would not "
     "be below T_max (Lemma 1): a gap of %.10g m would do",
     "insert_none": "a vehicle cannot join at place %d with a gap of %.10g m at %.10g m/s, where T = %.10g s would not "
     "be below T_max (Lemma 1): no gap would do there now, let it join at another place, speed or time",
-    "wave": "a wave from %.10g to %.10g m/s with a period of %.10g s is none: choose 0 <= v_low <= v_high and "
-    "a period above 0 s",
+    "wave": "v_low = %.10g m/s must not exceed v_high = %.10g m/s: raise v_high or lower v_low",
+    "wave_backwards": "v_low = %.10g m/s must not be negative: give it a speed of 0 m/s or more",
+    "wave_period": "period = %.10g s must be positive: give the wave a time above 0 s",
     "profile_file": "the speed profile %s cannot be read (%s): give a CSV file with time [s] and speed [m/s]",
     "profile_line": "line %d of the speed profile %s, '%s', is not two numbers with a comma between them: write time "
     "[s] and speed [m/s]",
@@ -107,6 +132,8 @@ SENTENCES = {
     "profile_time": "time %.10g s in row %d of the speed profile %s does not come after %.10g s: let times increase",
     "profile_speed": "speed %.10g m/s in row %d of the speed profile %s must lie in [0, %.10g] m/s: use a part of the "
     "profile that does, with speeds in m/s",
+    "profile_backwards": "speed %.10g m/s in row %d of the speed profile %s must lie in [0, %.10g] m/s: give the "
+    "leader 0 m/s or more",
     "periods": "%.10g s are more sampling periods of T = %.10g s than can be counted: take a shorter time or a "
     "longer T",
     "short_periods": "more than max_short_periods = %d short sampling periods in one communication step, at "
@@ -114,23 +141,113 @@ SENTENCES = {
     "steps, or start further from L",
 }
 
+SEPARATOR = ": "
+"""What stands between problem and remedy."""
 
-def _filled(sentence: str, values: tuple[Any, ...]) -> str:
-    """A sentence with its values; where numbers that differ would look alike ("35 is above 35"), all with 17 digits.
+_CONVERSION = re.compile(r"%(?:\.1[07]g|d|s|%)")
+
+Value = float | int | str | BaseException
+"""What a sentence is filled with: a number, a text, or an error whose sentence goes on with this one's."""
+
+
+def parts_of(sentence: str) -> tuple[str, str]:
+    """Problem and remedy of a sentence, or of the format of one.
+
+    Parameters
+    ----------
+    sentence : with its separator; where there are several, as in "file: line: problem: remedy", the last one counts
+
+    Returns
+    -------
+    problem, remedy : the remedy is empty where there is no separator
+    """
+    problem, separator, remedy = sentence.rpartition(SEPARATOR)
+    return (problem, remedy) if separator else (sentence, "")
+
+
+class PspError(Exception):
+    """The root of all errors that a user can cause; its text is one sentence, "problem: remedy".
+
+    Attributes
+    ----------
+    problem : what is wrong, with value, unit and limit
+    remedy : what to do about it
+    key : name of the sentence in a table of sentences, None where it comes from none
+    values : what that sentence was filled with
+
+    Parameters
+    ----------
+    problem : the same; without `remedy` the whole sentence
+    remedy : the same
+    """
+
+    key: str | None = None
+    values: tuple[Value, ...] = ()
+
+    def __init__(self, problem: str, remedy: str | None = None):
+        # `args` are the arguments of the constructor: that is all that pickle and copy ask of an exception
+        super().__init__(*((problem,) if remedy is None else (problem, remedy)))
+        self.problem, self.remedy = parts_of(problem) if remedy is None else (problem, remedy)
+
+    def __str__(self) -> str:
+        return SEPARATOR.join(part for part in (self.problem, self.remedy) if part)
+
+
+class TableError(PspError):
+    """An error whose sentence stands in a table.
+
+    Attributes
+    ----------
+    sentences : the table, formats by key
+
+    Parameters
+    ----------
+    key : of the sentence
+    values : that it is filled with
+    """
+
+    sentences: ClassVar[Mapping[str, str]] = {}
+    key: str
+
+    def __init__(self, key: str, *values: object):
+        sentence = self.sentences[key]
+        plain = _plain(sentence, values)
+        super().__init__(*_filled(sentence, plain))
+        self.args = (key, *plain)
+        self.key, self.values = key, plain
+
+
+class ModelError(TableError, ValueError):
+    """A value outside the model's domain; the message is one sentence with value, unit, limit and remedy."""
+
+    sentences = SENTENCES
+
+
+def _plain(sentence: str, values: tuple[object, ...]) -> tuple[Value, ...]:
+    """The values as the sentence shows them: Python's own numbers and texts, whatever array they come from."""
+    made: dict[str, Any] = {"%.10g": float, "%d": int, "%s": _text}
+    conversions = (one for one in _CONVERSION.findall(sentence) if one != "%%")
+    return tuple(made[conversion](value) for conversion, value in zip(conversions, values, strict=True))
+
+
+def _text(value: object) -> str | PspError:
+    return value if isinstance(value, PspError) else str(value)
+
+
+def _filled(sentence: str, values: tuple[Value, ...]) -> tuple[str, str]:
+    """Problem and remedy; where numbers that differ would look alike ("35 is above 35"), all with 17 digits.
 
     fmu_src/c/front_log.c does the same.
     """
-    conversions = re.findall(r"%(?:\.10g|d|s|%)", sentence)
-    places = zip((one for one in conversions if one != "%%"), values, strict=True)
-    numbers = [float(value) for conversion, value in places if conversion == "%.10g"]
+    numbers = [value for value in values if isinstance(value, float)]
     if any((a < b or a > b) and f"{a:.10g}" == f"{b:.10g}" for a, b in combinations(numbers, 2)):
         sentence = sentence.replace("%.10g", "%.17g")
-    return sentence % values
+    problem, remedy = parts_of(sentence)
+    count = sum(one != "%%" for one in _CONVERSION.findall(problem))
+    if remedy == "%s" and isinstance(cause := values[-1], PspError):  # the remedy is that of what led to this
+        return SEPARATOR.join([problem % values[:count], cause.problem]), cause.remedy
+    return problem % values[:count], remedy % values[count:]
 
 
-class ModelError(ValueError):
-    """A value outside the model's domain; the message is one sentence with value, unit, limit and remedy."""
-
-    def __init__(self, key: str, *values: object):
-        super().__init__(_filled(SENTENCES[key], values))
-        self.key = key
+class EngineError(PspError, ValueError):
+    """The engine of the rollouts could not be compiled."""

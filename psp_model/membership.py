@@ -83,7 +83,11 @@ class OpenPlatoon:
             place = self._place("insert_behind", behind, 0)
             if n == self.capacity:
                 raise ModelError("full", self.capacity)
-            if not 0 <= speed <= constants.v_max:
+            if not np.isfinite(speed):
+                raise ModelError("insert_finite", speed, constants.v_max)
+            if speed < 0:
+                raise ModelError("insert_backwards", speed, constants.v_max)
+            if speed > constants.v_max:
                 raise ModelError("insert_speed", speed, constants.v_max)
         except ModelError as error:
             return self, Refusal(str(error))

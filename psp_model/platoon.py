@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from .callbacks import Warns, silent
 from .errors import ModelError
 from .law.controller import MakeController, PaperLaw
 from .law.potential import Potential
@@ -49,17 +50,26 @@ class Observation:
     cost: Vector
 
 
-def silent(sentence: str) -> None:
-    """Nobody wants to be warned (ours).
+def loop_of(
+    shape: Potential,
+    constants: PlatoonParameters,
+    weights: ObjectiveWeights,
+    sampling: Sampling,
+    controller: MakeController = PaperLaw,
+    plant: Plant[Any] = IDEAL,
+) -> Loop:
+    """The pure loop that a platoon drives (ours).
 
     Parameters
     ----------
-    sentence : not said
+    shape, constants, weights, sampling, controller, plant : as `SampledPlatoon.begin` takes them
     """
+    shorten = sampling.policy == Lemma1Policy.SHORTEN
+    return Loop(controller(shape, constants), weights, sampling.T, shorten, plant)
 
 
 @dataclass
-class SampledPlatoon:
+class SampledPlatoon(Warns):
     """n vehicles under sampled-data feedback; what happens at the sampling instants is independent of who looks when.
 
     A shell around the pure loop: it keeps the last instant, and acts on verdicts as the policy says.  `begin` makes one
@@ -70,13 +80,16 @@ class SampledPlatoon:
     loop : controller with potential and constants, weights, period and plant
     sampling : period and policy
     now : the last sampling instant
-    warn : called with the sentence when policy 2 meets the first uncertified instant of a stretch
+    warn : called with the sentence when policy 2 meets the first uncertified instant of a stretch; a pickle keeps it
+        where pickle can
+    partway : where `advance_to` was refused behind another instant that it had passed, the last one that was in order
     """
 
     loop: Loop
     sampling: Sampling
     now: Instant
     warn: Callable[[str], None] = silent
+    partway: Instant | None = field(init=False, default=None)
 
     @classmethod
     def begin(
@@ -108,8 +121,7 @@ class SampledPlatoon:
         """
         weights, sampling = validate(weights or ObjectiveWeights()), validate(sampling or Sampling())
         validate(start), validate(shape)
-        shorten = sampling.policy == Lemma1Policy.SHORTEN
-        loop = Loop(controller(shape, start.constants), weights, sampling.T, shorten, plant)
+        loop = loop_of(shape, start.constants, weights, sampling, controller, plant)
         now, verdict = begin(loop, start.x_leader, start.s, start.v)
         platoon = cls(loop, sampling, now, warn)
         platoon._act(None, now, verdict)
@@ -180,9 +192,10 @@ class SampledPlatoon:
         Raises
         ------
         ModelError : under policy 1 where T is not certified, under policy 2 where a spacing has fallen to L (`now` is
-            that instant), under policy 3 where more than max_short_periods are needed
+            that instant), under policy 3 where more than max_short_periods are needed; `partway` then is the instant
+            to go back to, None if none was passed
         """
-        short, to = 0, (period, fraction)
+        short, to, self.partway = 0, (period, fraction), None
         while (now := self.now).ends <= to:
             if now.fraction + now.span < 1.0:
                 short += 1
@@ -191,6 +204,7 @@ class SampledPlatoon:
                     raise ModelError("short_periods", self.sampling.max_short_periods, time, now.T_max)
             self.now, verdict = step(self.loop, now)
             self._act(now, self.now, verdict)
+            self.partway = self.now
 
     def observe(self, period: int, fraction: float) -> Observation:
         """The platoon at a time between the last sampling instant and the next, by the exact polynomial.

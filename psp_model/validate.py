@@ -64,7 +64,8 @@ def _(constants: PlatoonParameters) -> None:
     _require(constants.L > 0, "L", constants.L)
     _require(constants.lam > constants.L + HILL_WIDTH, "lambda", constants.lam, constants.L + HILL_WIDTH)
     _require(constants.v_max > 0, "v_max", constants.v_max)
-    _require(0 < constants.v_star < constants.v_max, "v_star", constants.v_star, constants.v_max)
+    _require(constants.v_star > 0, "v_star_backwards", constants.v_star, constants.v_max)
+    _require(constants.v_star < constants.v_max, "v_star", constants.v_star, constants.v_max)
     for name in ("epsilon", "mu", "z"):
         _require(getattr(constants, name) > 0, name, getattr(constants, name))
 
@@ -99,7 +100,9 @@ def _(state: PlatoonState) -> None:
     _require(isfinite(state.x_leader), "finite", "x_start", state.x_leader, "m")
     for i, spacing in enumerate(s.tolist(), start=2):
         _require(isfinite(spacing), "finite", f"s_start[{i}]", spacing, "m")
+        _require(spacing > 0, "gap_order", i, spacing, i, i - 1)
         _require(spacing > constants.L, "gap", i, spacing, constants.L)
     for i, speed in enumerate(v.tolist(), start=1):
         _require(isfinite(speed), "finite", f"v_start[{i}]", speed, "m/s")
-        _require(0 <= speed <= constants.v_max, "speed", i, speed, constants.v_max, i)
+        _require(speed >= 0, "speed_backwards", i, speed, constants.v_max, i)
+        _require(speed <= constants.v_max, "speed", i, speed, constants.v_max, i)

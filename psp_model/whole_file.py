@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 
 MOST_BYTES = 1 << 32  # that an NPZ file may hold
+UNFINISHED: set[Path] = set()
+"""Files that are being written now: whoever ends this process without unwinding it removes them."""
 
 
 @contextmanager
@@ -29,6 +31,7 @@ def whole_file(path: Path) -> Iterator[Path]:
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(f".{path.stem}.{os.getpid()}.partial{path.suffix}")  # two processes do not share it
+    UNFINISHED.add(partial)
     try:
         yield partial
         with partial.open("rb") as file:
@@ -37,6 +40,8 @@ def whole_file(path: Path) -> Iterator[Path]:
     except BaseException:
         partial.unlink(missing_ok=True)
         raise
+    finally:
+        UNFINISHED.discard(partial)
 
 
 def write_whole(path: Path, content: bytes | str) -> None:

@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .errors import TrafficError
+
 Vector = NDArray[np.float64]
 
 _OTHERS = ("n_active", "resolve", "v_desired", "t_measured")  # inputs behind gaps and speeds
@@ -49,10 +51,10 @@ class ControllerFmu:
 
         Raises
         ------
-        ValueError : where they do not
+        TrafficError : where they do not
         """
         if vehicles > self.capacity:
-            raise ValueError(
+            raise TrafficError(
                 f"{vehicles} vehicles do not fit: this controller is for {self.capacity} at most, build one with "
                 f"build_fmu.py --component controller --vehicles {vehicles}"
             )
@@ -117,7 +119,7 @@ class Platoon:
         self._slave = FMU2Slave(
             guid=model.guid, unzipDirectory=fmu.folder, modelIdentifier=identifier, instanceName=name
         )
-        self._slave.instantiate(callbacks=self._callbacks)
+        self._slave.instantiate(callbacks=self._callbacks, loggingOn=True)  # or it tells of errors only
         self._slave.setupExperiment(startTime=0.0)
         for parameter, value in (dict(parameters) | {"T": T}).items():
             variable = fmu.variables[parameter]
@@ -151,28 +153,29 @@ class Platoon:
 
     def _fail(self, function: str, status: int) -> None:
         time = self._step * self.T
-        raise RuntimeError(f"{function} of {self._name} failed with status {status} at t = {time:g} s: see its message")
+        raise TrafficError(f"{function} of {self._name} failed with status {status} at t = {time:g} s: see its message")
 
     def decide(self) -> None:
-        """Go to the next sampling instant, hand `inputs` over there and fetch `outputs`.
+        """Hand `inputs` over at a sampling instant, step to the next, fetch `outputs`: the command decided there.
+
+        Set, step, get is the order that FMI 2.0 (4.2.4) allows; get before step is not.
 
         Raises
         ------
-        RuntimeError : where the FMU fails; its message has gone to Python's logging
+        TrafficError : where the FMU fails; its message has gone to Python's logging
         """
-        if self._started:
-            self._now.value = self._step * self.T
-            if (status := self._do_step()) > _WARNING:
-                self._fail("fmi2DoStep", status)
-            self._step += 1
         if (status := self._set_inputs()) > _WARNING:
             self._fail("fmi2SetReal", status)
         if not self._started:
             self._slave.enterInitializationMode()
             self._slave.exitInitializationMode()
             self._started = True
+        self._now.value = self._step * self.T
+        if (status := self._do_step()) > _WARNING:
+            self._fail("fmi2DoStep", status)
         if (status := self._get_outputs()) > _WARNING:
             self._fail("fmi2GetReal", status)
+        self._step += 1
 
     def command(self, s: Vector, v: Vector, measured_at: float, v_desired: float = -1.0) -> Vector:
         """Accelerations for the vehicles, from the inputs at this sampling instant.
@@ -193,7 +196,7 @@ class Platoon:
         self.inputs[-len(_OTHERS) :] = n, 0.0, v_desired, measured_at
         self.decide()
         self.saturated += int(self.outputs[capacity : capacity + n].sum())
-        time = self._step * self.T
+        time = (self._step - 1) * self.T  # of the instant
         if not self.outputs[2 * capacity]:
             self.uncertified_from = min(self.uncertified_from, time)
         if not self.outputs[2 * capacity + 1]:

@@ -8,12 +8,13 @@ from hashlib import sha256
 from math import isfinite
 from pathlib import Path
 
+from psp_model.errors import PspError
 from psp_model.whole_file import write_whole
 
 Row = dict[str, float]
 
 
-class ResultsError(ValueError):
+class ResultsError(PspError, ValueError):
     """One sentence on a file that cannot be gone on with."""
 
 

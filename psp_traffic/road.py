@@ -1,4 +1,4 @@
-"""The files that SUMO reads: a straight road with an acceleration lane, and the vehicles."""
+"""The files that SUMO reads: a straight road of one lane, with an acceleration lane where there is a ramp; vehicles."""
 
 from __future__ import annotations
 
@@ -17,13 +17,10 @@ _NODES = f"""<nodes>
 <node id="A" x="0" y="0"/><node id="B" x="{RAMP_END}" y="0"/><node id="C" x="{LANE_END}" y="0"/>
 <node id="D" x="{ROAD_END}" y="0"/></nodes>"""
 _EDGES = """<edges>
-<edge id="before" from="A" to="B" numLanes="2" speed="40"/>
-<edge id="beside" from="B" to="C" numLanes="2" speed="40"/>
+<edge id="before" from="A" to="B" numLanes="{lanes}" speed="40"/>
+<edge id="beside" from="B" to="C" numLanes="{lanes}" speed="40"/>
 <edge id="after" from="C" to="D" numLanes="1" speed="40"/></edges>"""
-_CONNECTIONS = """<connections>
-<connection from="before" to="beside" fromLane="0" toLane="0"/>
-<connection from="before" to="beside" fromLane="1" toLane="1"/>
-<connection from="beside" to="after" fromLane="1" toLane="0"/></connections>"""
+_CONNECTION = """<connection from="{}" to="{}" fromLane="{}" toLane="{}"/>"""
 
 
 def sumo_home() -> Path:
@@ -35,22 +32,44 @@ def sumo_home() -> Path:
     return home
 
 
-def write_road(folder: Path) -> Path:
+def through_lanes(scenario: Scenario) -> dict[str, int]:
+    """The lane of each edge that leads on; the lanes right of it are the ramp and its acceleration lane.
+
+    Parameters
+    ----------
+    scenario : with or without vehicles on the ramp
+
+    Returns
+    -------
+    number of the lane, from the right, by the name of the edge
+    """
+    through = 1 if scenario.merging else 0
+    return {"before": through, "beside": through, "after": 0}
+
+
+def write_road(folder: Path, scenario: Scenario) -> Path:
     """Write the network file.
 
     Parameters
     ----------
     folder : for the file
+    scenario : has a second lane beside the through lane only where vehicles come from the ramp
     """
     path = folder / "road.net.xml"
-    path.write_bytes(_network())
+    path.write_bytes(_network(2 if scenario.merging else 1))
     return path
 
 
 @cache
-def _network() -> bytes:
+def _network(lanes: int) -> bytes:
     """What SUMO's netconvert makes of the road, once for all runs of a process."""
-    parts = {"node": _NODES, "edge": _EDGES, "connection": _CONNECTIONS}
+    pairs = [("before", "beside", lane, lane) for lane in range(lanes)] + [("beside", "after", lanes - 1, 0)]
+    connections = "".join(_CONNECTION.format(*pair) for pair in pairs)
+    parts = {
+        "node": _NODES,
+        "edge": _EDGES.format(lanes=lanes),
+        "connection": f"<connections>{connections}</connections>",
+    }
     with TemporaryDirectory() as name:
         for kind, text in parts.items():
             Path(name, f"road.{kind}.xml").write_text(text)
@@ -90,11 +109,11 @@ def write_vehicles(folder: Path, scenario: Scenario, driver: Driver) -> Path:
     attributes |= {"maxSpeed": 60.0} | dict(driver.vehicle_type)
     listed = " ".join(f'{name}="{value}"' for name, value in attributes.items())
     rows = ["<routes>", f'<vType id="car" {listed}/>']
-    x = scenario.x_leader
+    through, x = through_lanes(scenario)["before"], scenario.x_leader
     starts = []
     for i, speed in enumerate(scenario.v):
         x -= scenario.s[i - 1] if i else 0.0
-        starts.append((x, float(speed), 1 if x < LANE_END else 0))
+        starts.append((x, float(speed), through if x < LANE_END else 0))
     starts += [(x, speed, 0) for x, speed in scenario.merging]
     for i, (x, speed, lane) in enumerate(starts):
         rows.append(

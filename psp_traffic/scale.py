@@ -15,6 +15,7 @@ from psp_model.state import StartDomain
 
 from .controller_fmu import ControllerFmu, Fleet, Vector
 from .driver import Driver
+from .errors import TrafficError
 from .road import write_road, write_vehicles
 from .scenario import ROAD_END, Scenario
 from .simulation import running_sumo
@@ -63,7 +64,7 @@ def many(platoons: int, road_end: float) -> Scenario:
     gaps = np.concatenate([np.r_[SPACING - s[:, k].sum(), s[:, k]] for k in range(platoons)])
     start = platoons * SPACING + 100.0
     if start > road_end - 1000.0:
-        raise ValueError(f"{platoons} platoons do not fit on a road of {road_end:g} m")
+        raise TrafficError(f"{platoons} platoons do not fit on a road of {road_end:g} m", "put fewer on it")
     return Scenario("many", gaps[1:], v.T.ravel(), x_leader=start)
 
 
@@ -82,7 +83,7 @@ def cost(platoons: int, steps: int, driver: Driver, *, exchange: bool = False, s
     with TemporaryDirectory() as name:
         folder = Path(name)
         vehicles = write_vehicles(folder, scenario, driver)
-        with running_sumo(write_road(folder), vehicles, step, 1, False) as sumo:
+        with running_sumo(write_road(folder, scenario), vehicles, step, 1, False) as sumo:
             sumo.simulationStep()
             names = [str(i) for i in range(scenario.v.size)]
             for one in names:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import io
 import warnings
 from collections import deque
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -16,13 +17,14 @@ from numpy.typing import NDArray
 
 from .controller_fmu import ControllerFmu, Platoon, Vector
 from .driver import Driver
-from .road import sumo_home, write_road, write_vehicles
+from .road import sumo_home, through_lanes, write_road, write_vehicles
 from .scenario import LENGTH, Scenario
 
+_STAY, _CHANGE = 0, 1621  # lane change modes: only where told to; SUMO's default
 JOIN_ROOM, LANE_CHANGE_ROOM = 1.0, 3.0  # [m] free behind and ahead beyond L: to be counted in, to change lanes
 
 _EASE = 1.0  # [m/s2] at which SUMO's drivers who start faster than v_star are let down to it
-_DESIRED = (0.1, 34.9)  # [m/s] desired speeds lie strictly between 0 and v_max
+_DESIRED = (0.0, 35.0)  # [m/s] desired speeds lie between 0 and v_max
 
 
 @dataclass(frozen=True)
@@ -67,7 +69,7 @@ class Record:
 def running_sumo(network: Path, vehicles: Path, step: float, seed: int, ballistic: bool) -> Iterator[Any]:
     """libsumo with a simulation loaded, closed at the end."""
     sumo_home()
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), redirect_stdout(io.StringIO()):  # it prints what it thinks of pyarrow
         warnings.simplefilter("ignore")
         import libsumo
     options = ["--no-step-log", "--no-warnings", "--collision.action", "none", "--time-to-teleport", "-1"]
@@ -104,15 +106,23 @@ def simulate(
     with TemporaryDirectory() as name:
         folder = Path(name)
         vehicles = write_vehicles(folder, scenario, driver)
-        with running_sumo(write_road(folder), vehicles, step, seed, disturbance.ballistic) as sumo:
-            return _Run(sumo, scenario, driver, step, disturbance, folder).go(to_contact)
+        with running_sumo(write_road(folder, scenario), vehicles, step, seed, disturbance.ballistic) as sumo:
+            label = f"{scenario.name}, {driver.name}, start {seed}"
+            return _Run(sumo, scenario, driver, step, disturbance, folder, label).go(to_contact)
 
 
 class _Run:
     """The loop around SUMO's step."""
 
     def __init__(
-        self, sumo: Any, scenario: Scenario, driver: Driver, step: float, disturbance: Disturbance, folder: Path
+        self,
+        sumo: Any,
+        scenario: Scenario,
+        driver: Driver,
+        step: float,
+        disturbance: Disturbance,
+        folder: Path,
+        label: str,
     ):
         self.sumo, self.scenario, self.driver, self.step = sumo, scenario, driver, step
         self.names = [str(i) for i in range(scenario.vehicles)]
@@ -122,11 +132,13 @@ class _Run:
         if driver.fmu is not None:
             fmu = ControllerFmu(driver.fmu, folder / "fmu")
             values = dict(driver.parameters) | {"v_star": scenario.v_star}
-            self.platoon = Platoon(fmu, "controller", values, step)
+            self.platoon = Platoon(fmu, label, values, step)
         self.lag, self.ballistic = disturbance.lag, disturbance.ballistic
         self.past: deque[tuple[float, Vector, Vector]] = deque(maxlen=1 + round(disturbance.delay / step))
         lengths = [sumo.lane.getLength(f"{edge}_0") for edge in ("before", "beside")]
         self.begins = {"before": 0.0, "beside": lengths[0], "after": sum(lengths)}  # [m] of each edge
+        self.through = {f"{edge}_{lane}" for edge, lane in through_lanes(scenario).items()}
+        self.changing = set(self.waiting) if driver.fmu is None else set()  # SUMO decides when these change lanes
         self.actual = np.zeros(scenario.vehicles)  # [m/s2] what the actuators do
 
     def go(self, to_contact: bool) -> Record:
@@ -145,6 +157,7 @@ class _Run:
                 self._control(platoon, time[k], x[k], v[k], road[k])
             else:
                 self._ease(time[k] + self.step, v[0])
+                self._stay(road[k])
             if to_contact and np.diff(np.sort(x[k, road[k]])).min() <= LENGTH:
                 done = k + 1
                 break
@@ -161,15 +174,15 @@ class _Run:
             lane = vehicle.getLaneID(name)
             x[i] = self.begins[lane.partition("_")[0]] + vehicle.getLanePosition(name)
             v[i] = vehicle.getSpeed(name)
-            on_road[i] = lane != "beside_0"
+            on_road[i] = lane in self.through
             emitted[0, i] += 1e-3 * self.step * vehicle.getCO2Emission(name)
             emitted[1, i] += 1e-3 * self.step * vehicle.getFuelConsumption(name)
 
     def _hand_over(self) -> None:
         """Tell SUMO who drives what."""
         vehicle = self.sumo.vehicle
-        for name in self.names:
-            vehicle.setLaneChangeMode(name, 1621 if self.platoon is None else 0)
+        for i, name in enumerate(self.names):
+            vehicle.setLaneChangeMode(name, _CHANGE if i in self.changing else _STAY)
             if self.platoon is not None:
                 vehicle.setSpeedMode(name, 0)
         if self.scenario.leader is not None:
@@ -181,6 +194,12 @@ class _Run:
             before, now = (speed - _EASE * at for at in (time - self.step, time))
             if time <= self.step or before > self.scenario.v_star:
                 self.sumo.vehicle.setMaxSpeed(name, max(now, self.scenario.v_star))
+
+    def _stay(self, on_road: NDArray[np.bool_]) -> None:
+        """Nobody leaves the through lane: who has come from the ramp has changed lanes for the last time."""
+        for i in [i for i in self.changing if on_road[i]]:
+            self.sumo.vehicle.setLaneChangeMode(self.names[i], _STAY)
+            self.changing.remove(i)
 
     def _control(self, platoon: Platoon, time: float, x: Vector, v: Vector, on_road: NDArray[np.bool_]) -> None:
         """Measure, ask the controller, and set the speeds that its accelerations lead to within a step."""

@@ -62,6 +62,20 @@ def _collisions(rows: Sequence[Measures]) -> str:
     return f"{sum(row.collisions for row in rows)}" + (f" (in {hit} of {len(rows)})" if hit and len(rows) > 1 else "")
 
 
+def cells(drivers: Mapping[str, Sequence[Measures]]) -> dict[str, list[str]]:
+    """What the table holds: the titles under the empty name, then a line of cells for each driver.
+
+    Parameters
+    ----------
+    drivers : the starts' measures by name of the driver
+    """
+    lines = {"": ["collisions", *(column.title for column in COLUMNS.values())]}
+    for name, rows in drivers.items():
+        shown = [_cell([getattr(row, field) for row in rows], column) for field, column in COLUMNS.items()]
+        lines[name] = [_collisions(rows), *shown]
+    return lines
+
+
 def table(drivers: Mapping[str, Sequence[Measures]]) -> str:
     """A Markdown table, one line for each driver: mean and, in brackets, worst of the starts; collisions are totals.
 
@@ -69,9 +83,6 @@ def table(drivers: Mapping[str, Sequence[Measures]]) -> str:
     ----------
     drivers : the starts' measures by name of the driver
     """
-    titles = ["", "collisions", *(column.title for column in COLUMNS.values())]
-    lines = ["| " + " | ".join(titles) + " |", "|---" * len(titles) + "|"]
-    for name, rows in drivers.items():
-        cells = [_cell([getattr(row, field) for row in rows], column) for field, column in COLUMNS.items()]
-        lines.append(f"| {name} | {_collisions(rows)} | " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+    titles, *rows = ([name, *line] for name, line in cells(drivers).items())
+    lines = ["| " + " | ".join(line) + " |" for line in (titles, *rows)]
+    return "\n".join([lines[0], "|---" * len(titles) + "|", *lines[1:]])

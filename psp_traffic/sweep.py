@@ -155,13 +155,24 @@ def tolerance_table(found: Mapping[Case, Tolerance], driver: str) -> str:
     found : from `sweep`
     driver : its name
     """
+    (corner, *lags), *rows = cells(found, driver)
+    lines = [f"| {corner} | " + " | ".join(lags) + " |", "|---" * (len(lags) + 1) + "|"]
+    lines += [f"| **{delay}** | " + " | ".join(line) + " |" for delay, *line in rows]
+    return "\n".join(lines)
+
+
+def cells(found: Mapping[Case, Tolerance], driver: str) -> list[list[str]]:
+    """The same table as rows of cells, the first with the lags, each other with its delay before it.
+
+    Parameters
+    ----------
+    found : from `sweep`
+    driver : its name
+    """
     delays = sorted({delay for name, delay, _ in found if name == driver})
     lags = sorted({lag for name, _, lag in found if name == driver})
-    lines = ["| delay \\ lag | " + " | ".join(f"{lag:g} s" for lag in lags) + " |", "|---" * (len(lags) + 1) + "|"]
-    for delay in delays:
-        cells = [_cell(found[driver, delay, lag]) for lag in lags]
-        lines.append(f"| **{delay:g} s** | " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+    rows = [[f"{delay:g} s", *(_cell(found[driver, delay, lag]) for lag in lags)] for delay in delays]
+    return [["delay \\ lag", *(f"{lag:g} s" for lag in lags)], *rows]
 
 
 def _cell(row: Tolerance) -> str:
@@ -204,11 +215,29 @@ def sweep_text(found: Mapping[Case, Tolerance]) -> str:
     ----------
     found : from `sweep`
     """
-    parts = []
-    for driver in dict.fromkeys(name for name, *_ in found):
-        of_driver = {case: row for case, row in found.items() if case[0] == driver}
-        prompt = [trial for (_, delay, _), row in of_driver.items() if delay == 0 for trial in row.trials]
-        late = [trial for (_, delay, _), row in of_driver.items() if delay > 0 for trial in row.trials]
-        told = f"Without delay: {announced(prompt)}. With delay: {announced(late)}."
-        parts.append(f"{driver}:\n\n{tolerance_table(found, driver)}\n\n{told}")
+    parts = [f"{driver}:\n\n{tolerance_table(found, driver)}\n\n{told_of(found, driver)}" for driver in swept_of(found)]
     return "\n\n".join(parts)
+
+
+def swept_of(found: Mapping[Case, Tolerance]) -> list[str]:
+    """The names of the drivers of a sweep.
+
+    Parameters
+    ----------
+    found : from `sweep`
+    """
+    return list(dict.fromkeys(name for name, *_ in found))
+
+
+def told_of(found: Mapping[Case, Tolerance], driver: str) -> str:
+    """How one driver's contacts were announced, without delay and with delay.
+
+    Parameters
+    ----------
+    found : from `sweep`
+    driver : its name
+    """
+    of_driver = {case: row for case, row in found.items() if case[0] == driver}
+    prompt = [trial for (_, delay, _), row in of_driver.items() if delay == 0 for trial in row.trials]
+    late = [trial for (_, delay, _), row in of_driver.items() if delay > 0 for trial in row.trials]
+    return f"Without delay: {announced(prompt)}. With delay: {announced(late)}."

@@ -14,11 +14,13 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from psp_model.analysis.cases import Case
+from psp_model.errors import PspError
 from psp_model.parameters import PlatoonParameters
 from psp_model.whole_file import whole_file
 
-from .motion import moving_frame
-from .style import RC, colours, new_figure
+from .moving_frame import moving_frame
+from .palette import colours
+from .style import RC, new_figure
 
 FRAMES_PER_SECOND = 15
 CAR = 0.84  # length of a drawn vehicle, in L: at the smallest allowable gap two vehicles do not touch
@@ -26,7 +28,7 @@ _WIDTH = 2.0  # [m] of a drawn vehicle
 _MARKS = 12.0  # [m] between lane markings
 
 
-class FilmError(Exception):
+class FilmError(PspError):
     """The film cannot be made; one sentence with the remedy."""
 
 

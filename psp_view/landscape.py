@@ -18,7 +18,8 @@ from psp_model.selection.feasible import slope_within_limit
 from psp_model.selection.rollout import rollout_costs
 from psp_model.state import PlatoonState
 
-from .style import RC, caption, colours, new_figure
+from .palette import colours
+from .style import RC, caption, new_figure
 
 _WORST = 30.0  # [%] the colours end here
 _REFINED, _ROUNDS, _FINER = 4, 3, 7  # points that are refined at a time, how often, and points per side

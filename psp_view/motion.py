@@ -13,22 +13,9 @@ from psp_model.parameters import PlatoonParameters
 from psp_model.run import Run
 from psp_model.sampling.hold import relative
 
-from .style import RC, caption, colours, new_figure
-
-
-def moving_frame(run: Run, speed: float) -> NDArray[np.float64]:
-    """Positions seen from a frame that drives at constant speed with where the leader started.
-
-    Parameters
-    ----------
-    run : the run
-    speed : of the frame [m/s]
-
-    Returns
-    -------
-    (K, n) array [m]
-    """
-    return run.x - run.x[0, 0] - speed * (run.time - run.time[0])[:, None]
+from .moving_frame import moving_frame
+from .palette import colours
+from .style import RC, caption, new_figure
 
 
 def closing_speeds(run: Run) -> NDArray[np.float64]:

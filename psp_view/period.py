@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 
 from psp_model.analysis.certificate import Certificate
 
-from .style import LINE_STYLES, RC, caption, colours, new_figure
+from .palette import colours
+from .style import LINE_STYLES, RC, caption, new_figure
 
 
 def draw_periods(certificates: Mapping[str, Certificate], command: str) -> Figure:

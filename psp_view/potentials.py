@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from psp_model.law.potential import PotentialParameters, potential, potential_slope
+from psp_model.law.potential import PotentialParameters, potential_slope
 from psp_model.parameters import HILL_WIDTH, PlatoonParameters
 
-from .style import LINE_STYLES, RC, caption, colours, new_figure
+from .curves import Curve, curve
+from .palette import colours
+from .style import LINE_STYLES, RC, caption, new_figure
 
 BASE = PotentialParameters(alpha=1e-3, r=10.0, p=5.0)
 """What the parameters that a panel does not vary are set to (ours: the paper does not give them)."""
@@ -23,44 +24,6 @@ VARIED: dict[str, tuple[float, ...]] = {"alpha": (1e-3, 1e-2, 1e-1), "r": (8.0, 
 
 _UNITS = {"alpha": "", "r": " m", "p": ""}
 _LETTERS = {"alpha": "α", "r": "r", "p": "p"}
-
-
-@dataclass(frozen=True, eq=False)
-class Curve:
-    """One potential over a range of gaps.
-
-    Attributes
-    ----------
-    label : what distinguishes it
-    shape : its parameters
-    s : (K,) gaps [m]
-    V : (K,) potential [m2/s2]
-    slope : (K,) V' [m/s2]
-    """
-
-    label: str
-    shape: PotentialParameters
-    s: NDArray[np.float64]
-    V: NDArray[np.float64]
-    slope: NDArray[np.float64]
-
-
-def curve(shape: PotentialParameters, constants: PlatoonParameters, label: str = "", points: int = 1601) -> Curve:
-    """A potential sampled from just above L to just beyond lambda.
-
-    Parameters
-    ----------
-    shape : the potential
-    constants : L and lambda
-    label : its name
-    points : K
-
-    Returns
-    -------
-    Curve
-    """
-    s = np.linspace(constants.L, constants.lam + 1.0, points + 1)[1:]
-    return Curve(label, shape, s, potential(s, shape, constants), potential_slope(s, shape, constants))
 
 
 def family(name: str, values: Sequence[float], constants: PlatoonParameters, base: PotentialParameters) -> list[Curve]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 
@@ -74,6 +74,17 @@ def write_csv(path: str | Path, result: Any) -> None:
     result : structured array with the column `time` first
     """
     with whole_file(Path(path)) as partial, partial.open("w", encoding="utf-8", newline="\n") as file:
-        file.write(",".join(f'"{name}"' for name in result.dtype.names) + "\n")
-        for row in result:
-            file.write(",".join(repr(float(value)) for value in row) + "\n")
+        write_rows(file, result)
+
+
+def write_rows(file: IO[str], result: Any) -> None:
+    """Write the same to an open file.
+
+    Parameters
+    ----------
+    file : open for text
+    result : structured array with the column `time` first
+    """
+    file.write(",".join(f'"{name}"' for name in result.dtype.names) + "\n")
+    for row in result:
+        file.write(",".join(repr(float(value)) for value in row) + "\n")

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from psp_model.run import Run
 
-from .style import RC, caption, colours, new_figure, save
+from .palette import colours
+from .style import RC, caption, new_figure, save
 
 _MOST_NAMED = 12  # more vehicles than this get a legend of the first and the last only
 _WIDE = 10.0  # accelerations that differ by more than this factor between runs share a symmetric logarithmic axis
@@ -104,8 +105,8 @@ def _lines(axes: Axes, time: NDArray[np.float64], table: NDArray[np.float64], qu
     axes.margins(x=0.0)
 
 
-def save_runs(runs: Mapping[str, Run], path: str | Path, command: str, title: str = "") -> list[Path]:
-    """Draw `draw_runs` and write it as PNG and SVG (PDF where `path` says so).
+def save_runs(runs: Mapping[str, Run], path: str | Path, command: str, title: str = "") -> Path:
+    """Draw `draw_runs` and write it as what the suffix of `path` says.
 
     Parameters
     ----------
@@ -114,6 +115,6 @@ def save_runs(runs: Mapping[str, Run], path: str | Path, command: str, title: st
 
     Returns
     -------
-    the files written
+    the file written
     """
     return save(draw_runs(runs, command, title), path, command)

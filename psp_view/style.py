@@ -1,4 +1,4 @@
-"""What all figures share: colours that colour-blind people can tell apart, captions, and files on disk."""
+"""What all figures share: captions, and files on disk."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib
-from matplotlib import colormaps
 from matplotlib.figure import Figure
 
+from psp_model.errors import PspError
 from psp_model.whole_file import whole_file
 
-OKABE_ITO = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#F0E442")
-"""The palette of Okabe and Ito (2008); yellow comes last because it is hard to see on white."""
+
+class PictureError(PspError, ValueError):
+    """A picture of a kind that cannot be written."""
+
 
 LINE_STYLES = ("-", "--", ":", "-.")
 
@@ -31,23 +33,6 @@ RC: Any = {
     "svg.hashsalt": "psp-platoon",  # the same picture gives the same file
     "pdf.fonttype": 42,
 }
-
-
-def colours(count: int) -> list[str]:
-    """`count` colours: the palette where it suffices, else a walk through cividis, which colour-blind people read too.
-
-    Parameters
-    ----------
-    count : number of lines to tell apart
-
-    Returns
-    -------
-    colours as hexadecimal strings
-    """
-    if count < len(OKABE_ITO):
-        return list(OKABE_ITO[:count])
-    cividis = colormaps["cividis"]
-    return [matplotlib.colors.to_hex(cividis(i / max(count - 1, 1) * 0.92)) for i in range(count)]
 
 
 def new_figure(width: float, height: float) -> Figure:
@@ -75,29 +60,34 @@ def caption(figure: Figure, text: str, command: str) -> None:
     figure.supxlabel("\n".join(lines), x=0.01, ha="left", fontsize=7.5, color="#444444", parse_math=False)
 
 
-def save(figure: Figure, path: str | Path, command: str = "") -> list[Path]:
-    """Write a figure as PNG and as SVG (or, where `path` ends in .pdf, as PNG and PDF), side by side.
+def save(figure: Figure, path: str | Path, command: str = "") -> Path:
+    """Write a figure as what the suffix says: PNG, SVG or PDF.
 
     Parameters
     ----------
     figure : the figure
-    path : where to; the suffix is replaced, missing folders are made
-    command : noted in the files' metadata
+    path : where to, ending in .png, .svg or .pdf; missing folders are made
+    command : noted in the file's metadata
 
     Returns
     -------
-    the files written
+    the file written
+
+    Raises
+    ------
+    PictureError : where the suffix is another one
     """
     path = Path(path)
-    vector = ".pdf" if path.suffix == ".pdf" else ".svg"
-    written = [path.with_suffix(".png"), path.with_suffix(vector)]
     metadata: dict[str, dict[str, Any]] = {
         ".png": {"Description": command},
         ".svg": {"Date": None, "Description": command},
         ".pdf": {"CreationDate": None, "Subject": command},
     }
-    with matplotlib.rc_context(RC):
-        for file in written:
-            with whole_file(file) as partial:
-                figure.savefig(partial, dpi=150, metadata=metadata[file.suffix])
-    return written
+    kind = path.suffix.lower()
+    if kind not in metadata:
+        raise PictureError(
+            f"{path} is no picture that can be written", "give it a name that ends in .png, .svg or .pdf"
+        )
+    with matplotlib.rc_context(RC), whole_file(path) as partial:
+        figure.savefig(partial, dpi=150, metadata=metadata[kind], format=kind[1:])
+    return path

@@ -10,7 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from .style import RC, caption, colours, new_figure
+from .palette import colours
+from .style import RC, caption, new_figure
 
 if TYPE_CHECKING:
     from psp_traffic.simulation import Record

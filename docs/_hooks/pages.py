@@ -158,12 +158,13 @@ def _limits(low: float | None, high: float | None) -> str:
 
 
 def messages() -> str:
-    """Every sentence of the model, with dots where values stand."""
-    from psp_model.errors import SENTENCES
+    """Every sentence of the model and of the FMUs, with dots where values stand."""
+    from fmu_src import errors as of_the_fmus
+    from psp_model import errors as of_the_model
 
     lines = []
-    for key, sentence in SENTENCES.items():
-        problem, _, remedy = re.sub(r"%(\.10g|d|s)", "…", sentence).replace("%%", "%").rpartition(": ")
+    for key, sentence in (of_the_model.SENTENCES | of_the_fmus.SENTENCES).items():
+        problem, remedy = of_the_model.parts_of(re.sub(r"%(\.10g|d|s)", "…", sentence).replace("%%", "%"))
         lines.append(f"### {problem} {{ #{key} }}\n\n**What to do:** {remedy}.\n")
     return "\n".join(lines)
 

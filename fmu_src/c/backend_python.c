@@ -11,20 +11,17 @@
 
 #include "front.h"
 #include "library.h"
+#include "python_host.h"
 #include "python_library.h"
-
-#ifdef _WIN32
-#include <windows.h>
-#define EXPORT_LIBRARY "/binaries/win64/pythonfmu-export.dll"
-#else
-#define EXPORT_LIBRARY "/binaries/linux64/libpythonfmu-export.so"
-#endif
+#include "python_resources.h"
 
 #define FUNCTIONS(X)                                                                                                   \
     X(Instantiate) X(FreeInstance) X(SetupExperiment) X(EnterInitializationMode) X(ExitInitializationMode)             \
     X(Terminate) X(Reset) X(DoStep) X(GetReal) X(GetInteger) X(SetReal) X(SetInteger)       \
     X(GetFMUstate) X(SetFMUstate) X(FreeFMUstate) X(SerializedFMUstateSize)                 \
     X(SerializeFMUstate) X(DeSerializeFMUstate)
+
+enum { TIME_REFERENCE = 0x7fffffff }; /* under which our slaves tell us the time that they have come to; no host may ask */
 
 struct Backend {
 #define X(name) fmi2##name##TYPE *name;
@@ -33,50 +30,28 @@ struct Backend {
     Front *front;
     fmi2Component component;
     fmi2CallbackFunctions callbacks; /* pythonfmu keeps a pointer to it */
-    bool dead;                       /* pythonfmu failed fatally */
+    void (*let_go)(void);            /* see LET_GO; NULL if the library has no such function */
+    void *generation;                /* of Python, see python_host.h */
+    bool explained;                  /* the slave has said what is missing */
+    bool dead;                       /* pythonfmu failed fatally, or Python has ended */
 };
+
+/* pythonfmu begins the text of an exception like this; what follows the second mark is a sentence of surroundings.py. */
+#define FATAL_TEXT "Fatal py exception encountered: "
+#define SENTENCE "\npsp: "
 
 /* What pythonfmu logs is text, not a format. */
 static void receive_message(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
                             fmi2String message, ...)
 {
+    Backend *model = environment;
+    const char *sentence = NULL;
     (void)name, (void)category;
     if (status < fmi2OK || status > fmi2Fatal) status = fmi2Error;
-    front_log(environment, status, "%s", message ? message : "");
-}
-
-static FILE *open_resource(const char *resources, const char *name, const char *ending)
-{
-    char path[2048];
-    const int length = snprintf(path, sizeof path, "%s/%s%s", resources, name, ending);
-    return length > 0 && length < (int)sizeof path ? fopen(path, "r") : NULL;
-}
-
-/* The first line of a file in resources, "" if there is none. */
-static const char *first_line(const char *resources, const char *name, char *buffer, size_t size)
-{
-    FILE *stream = resources ? open_resource(resources, name, "") : NULL;
-    buffer[0] = '\0';
-    if (stream) {
-        if (fgets(buffer, (int)size, stream)) buffer[strcspn(buffer, "\r\n")] = '\0';
-        fclose(stream);
-    }
-    return buffer;
-}
-
-/* A path that pythonfmu, which knows no Unicode on Windows, can open too: the short form of one that is not ASCII. */
-static const char *openable(const char *resources, char *buffer, size_t size)
-{
-#ifdef _WIN32
-    wchar_t wide[1024], brief[1024];
-    bool ascii = true;
-    for (const char *c = resources; *c; c++) ascii = ascii && (unsigned char)*c < 128;
-    if (!ascii && MultiByteToWideChar(CP_UTF8, 0, resources, -1, wide, 1024) && GetShortPathNameW(wide, brief, 1024) &&
-        WideCharToMultiByte(CP_UTF8, 0, brief, -1, buffer, (int)size, NULL, NULL))
-        return buffer;
-#endif
-    (void)buffer, (void)size;
-    return resources;
+    if (!message) message = "";
+    if (strncmp(message, FATAL_TEXT, strlen(FATAL_TEXT)) == 0) sentence = strstr(message, SENTENCE);
+    if (sentence) model->explained = true;
+    front_log(model->front, sentence ? fmi2Error : status, "%s", sentence ? sentence + strlen(SENTENCE) : message);
 }
 
 const char *backend_guid(const char *resources, char *buffer, size_t size)
@@ -85,56 +60,40 @@ const char *backend_guid(const char *resources, char *buffer, size_t size)
     return first_line(resources ? openable(resources, path, sizeof path) : NULL, "guid.txt", buffer, size);
 }
 
-/* pythonfmu crashes on resources that it cannot read: true if it can. */
-static bool readable(Front *front, const char *resources)
-{
-    char module[256];
-    if (!resources) {
-        front_fail(front, "fmi2Instantiate was called without a resource location: pass the URI of the FMU's resources");
-        return false;
-    }
-    if (strstr(resources, "%20") || strstr(resources, "file://")) { /* pythonfmu would replace them */
-        front_fail(front, "the FMU's resources lie in %s, and pythonfmu cannot open a path with '%%20' in it: extract the "
-                          "FMU into another folder", resources);
-        return false;
-    }
-    first_line(resources, "slavemodule.txt", module, sizeof module);
-    FILE *stream = module[0] ? open_resource(resources, module, ".py") : NULL;
-    if (!stream) {
-        front_fail(front, "the FMU's resources cannot be read in %s: extract the whole FMU and pass the URI of its folder "
-                          "'resources'", resources);
-        return false;
-    }
-    fclose(stream);
-    return true;
-}
-
 /* pythonfmu's library lets go of the same shared pointer twice when a process on Linux ends, and writes into freed memory:
- * its destructor function runs after the destructor of the pointer.  Letting go once before both is harmless. */
-static void (*let_go)(void) = NULL; /* the library's, not an instance's */
-
-static void let_go_at_exit(void) { let_go(); }
+ * its destructor function runs after the destructor of the pointer.  Nobody needs what it points to once there is an
+ * instance, because Python is not started by pythonfmu: the pointer is let go of at once. */
+#define LET_GO "finalizePythonInterpreter"
 
 static bool load_pythonfmu(Backend *model, const char *resources)
 {
-    char path[2048], why[512];
-    snprintf(path, sizeof path, "%s%s", resources, EXPORT_LIBRARY);
-    void *library = library_open(path, false);
+    void *library = open_pythonfmu(model->front, resources);
     bool found = library != NULL;
 #define X(name) found = found && library_function(library, "fmi2" #name, &model->name);
     FUNCTIONS(X)
 #undef X
-    if (!found)
-        front_fail(model->front, "%s cannot be loaded (%s): extract the whole FMU, and install what this message names",
-                   path, library_error(why, sizeof why));
-    else if (!let_go && library_function(library, "finalizePythonInterpreter", &let_go))
-        atexit(let_go_at_exit);
+    if (library && !found) front_fail(model->front, "the library in %s is not pythonfmu's: extract the whole FMU", resources);
+    if (!library || !library_function(library, LET_GO, &model->let_go)) model->let_go = NULL;
     return found;
+}
+
+/* Makes the slave; between python_enter and python_leave. */
+static void instantiate(Backend *model, const char *guid, const char *resources, bool visible)
+{
+    Front *front = model->front;
+    if (!load_pythonfmu(model, resources)) return;
+    model->component = model->Instantiate(front->name, fmi2CoSimulation, guid, resources, &model->callbacks, visible, fmi2True);
+    if (model->let_go) model->let_go();
+    python_forget_path(resources); /* which pythonfmu put into sys.path, and everything is imported now */
+    if (!model->component && !model->explained)
+        front_fail(front, "the Python part of this FMU did not start, the message before, if there is one, says why: extract "
+                          "the whole FMU, and look at what `psp doctor` says of it");
 }
 
 Backend *backend_new(Front *front, const char *guid, const char *resources, bool visible)
 {
     char path[2048];
+    PythonCall call;
     if (resources) resources = openable(resources, path, sizeof path);
     if (!readable(front, resources) || !python_is_running(front)) return NULL;
     Backend *model = calloc(1, sizeof *model);
@@ -143,66 +102,122 @@ Backend *backend_new(Front *front, const char *guid, const char *resources, bool
     model->callbacks.logger = receive_message;
     model->callbacks.allocateMemory = calloc;
     model->callbacks.freeMemory = free;
-    model->callbacks.componentEnvironment = front;
-    if (load_pythonfmu(model, resources))
-        model->component = model->Instantiate(front->name, fmi2CoSimulation, guid, resources, &model->callbacks, visible,
-                                              fmi2True);
+    model->callbacks.componentEnvironment = model;
+    if (!python_functions() || !python_enter(&call, true)) {
+        front_fail(front, "the Python in this process has ended, or lacks functions of Python's stable interface: keep it "
+                          "running for as long as there are instances, or use the native FMU");
+    } else {
+        model->generation = python_generation();
+        instantiate(model, guid, resources, visible);
+        python_leave(&call, !model->component);
+    }
     if (model->component) return model;
-    if (front->worst > fmi2Warning)
-        front_fail(front, "the Python part of this FMU did not start, the message before says why: install what is missing "
-                          "into that Python; `psp doctor` lists what the FMU needs");
     free(model);
     return NULL;
 }
 
+/* Enters Python; false if it is not the one any more in which the slave was made, of which nothing may be touched. */
+static bool enter(Backend *model, PythonCall *call, bool look)
+{
+    if (model->dead || !python_enter(call, look)) return false;
+    if (python_generation() == model->generation) return true;
+    python_leave(call, false);
+    return false;
+}
+
 void backend_free(Backend *model)
 {
-    if (!model->dead) model->FreeInstance(model->component);
+    PythonCall call;
+    if (enter(model, &call, false)) {
+        model->FreeInstance(model->component);
+        python_leave(&call, false);
+    }
     free(model);
 }
 
-/* The status of a call into pythonfmu: after a fatal error nothing is forwarded any more. */
-static fmi2Status judged(Backend *model, fmi2Status status)
+/* Begins a call into pythonfmu; after a fatal error, and after Python's end, nothing is forwarded any more. */
+static bool begin(Backend *model, PythonCall *call, bool look)
+{
+    if (enter(model, call, look)) return true;
+    if (!model->dead)
+        front_log(model->front, fmi2Fatal, "Python has ended in this process, and with it this instance: free the "
+                                           "instances before Python ends, or use the native FMU");
+    model->dead = true;
+    return false;
+}
+
+/* Ends it: the status of the call. */
+static fmi2Status end(Backend *model, PythonCall *call, fmi2Status status)
 {
     if (status >= fmi2Fatal || model->front->worst >= fmi2Fatal) {
         model->dead = true;
-        return fmi2Fatal;
+        status = fmi2Fatal;
     }
+    python_leave(call, status > fmi2Warning || model->front->worst > fmi2Warning);
     return status;
 }
 
-#define FORWARD(call) (model->dead ? fmi2Fatal : judged(model, call))
+#define FORWARD(look, action)                                                                                          \
+    do {                                                                                                               \
+        PythonCall call;                                                                                               \
+        return begin(model, &call, look) ? end(model, &call, (action)) : fmi2Fatal;                                    \
+    } while (0)
 
 fmi2Status backend_setup(Backend *model, const double *tolerance, double start, const double *stop)
 {
-    return FORWARD(model->SetupExperiment(model->component, tolerance != NULL, tolerance ? *tolerance : 0.0, start,
-                                          stop != NULL, stop ? *stop : 0.0));
+    FORWARD(true, model->SetupExperiment(model->component, tolerance != NULL, tolerance ? *tolerance : 0.0, start,
+                                         stop != NULL, stop ? *stop : 0.0));
 }
 
-fmi2Status backend_enter_initialization(Backend *model) { return FORWARD(model->EnterInitializationMode(model->component)); }
+fmi2Status backend_enter_initialization(Backend *model) { FORWARD(true, model->EnterInitializationMode(model->component)); }
 
-fmi2Status backend_exit_initialization(Backend *model) { return FORWARD(model->ExitInitializationMode(model->component)); }
+fmi2Status backend_exit_initialization(Backend *model) { FORWARD(true, model->ExitInitializationMode(model->component)); }
 
-fmi2Status backend_terminate(Backend *model) { return FORWARD(model->Terminate(model->component)); }
+fmi2Status backend_terminate(Backend *model) { FORWARD(false, model->Terminate(model->component)); }
 
-fmi2Status backend_reset(Backend *model) { return FORWARD(model->Reset(model->component)); }
+fmi2Status backend_reset(Backend *model) { FORWARD(true, model->Reset(model->component)); }
 
-fmi2Status backend_do_step(Backend *model, double from, double size)
+static fmi2Status do_step(Backend *model, double from, double size)
 {
-    fmi2Status status = FORWARD(model->DoStep(model->component, from, size, fmi2False));
+    FORWARD(true, model->DoStep(model->component, from, size, fmi2False));
+}
+
+static fmi2Status get_real(Backend *model, const fmi2ValueReference vr[], size_t count, fmi2Real value[])
+{
+    FORWARD(false, model->GetReal(model->component, vr, count, value));
+}
+
+fmi2Status backend_do_step(Backend *model, double from, double size, double *reached)
+{
+    static const fmi2ValueReference time = TIME_REFERENCE;
+    const fmi2Status status = do_step(model, from, size);
     if (status != fmi2Discard) return status;
-    if (model->front->worst >= fmi2Discard) return model->front->worst;
+    if (model->front->worst == fmi2Discard) return get_real(model, &time, 1, reached);
+    if (model->front->worst > fmi2Discard) return model->front->worst;
     return front_fail(model->front, "the step at t = %.10g s failed without a reason given: look at the messages before",
                       from);
+}
+
+static fmi2Status no_variable(Backend *model, fmi2ValueReference reference, const char *type)
+{
+    return front_fail(model->front, "value reference %d belongs to no %s variable of this FMU: take it from "
+                                    "modelDescription.xml", (int)reference, type);
 }
 
 #define VARIABLES(function, name, type)                                                                                \
     fmi2Status function(Backend *model, const fmi2ValueReference vr[], size_t count, type value[])                     \
     {                                                                                                                  \
-        return FORWARD(model->name(model->component, vr, count, value));                                               \
+        FORWARD(false, model->name(model->component, vr, count, value));                                               \
     }
 
-VARIABLES(backend_get_real, GetReal, fmi2Real)
+fmi2Status backend_get_real(Backend *model, const fmi2ValueReference vr[], size_t count, fmi2Real value[])
+{
+    for (size_t i = 0; i < count; i++) {
+        if (vr[i] == TIME_REFERENCE) return no_variable(model, vr[i], "Real");
+    }
+    return get_real(model, vr, count, value);
+}
+
 VARIABLES(backend_get_integer, GetInteger, fmi2Integer)
 VARIABLES(backend_set_real, SetReal, const fmi2Real)
 VARIABLES(backend_set_integer, SetInteger, const fmi2Integer)
@@ -212,8 +227,7 @@ VARIABLES(backend_set_integer, SetInteger, const fmi2Integer)
     fmi2Status function(Backend *model, const fmi2ValueReference vr[], size_t count, type value[])                     \
     {                                                                                                                  \
         (void)count, (void)value;                                                                                      \
-        return front_fail(model->front, "value reference %d belongs to no " name " variable of this FMU: take it from " \
-                                        "modelDescription.xml", (int)vr[0]);                                           \
+        return no_variable(model, vr[0], name);                                                                        \
     }
 
 NONE(backend_get_boolean, fmi2Boolean, "Boolean")
@@ -221,28 +235,41 @@ NONE(backend_get_string, fmi2String, "String")
 NONE(backend_set_boolean, const fmi2Boolean, "Boolean")
 NONE(backend_set_string, const fmi2String, "String")
 
-fmi2Status backend_get_state(Backend *model, void **state) { return FORWARD(model->GetFMUstate(model->component, state)); }
+fmi2Status backend_get_state(Backend *model, void **state) { FORWARD(false, model->GetFMUstate(model->component, state)); }
 
-fmi2Status backend_set_state(Backend *model, void *state) { return FORWARD(model->SetFMUstate(model->component, state)); }
+fmi2Status backend_set_state(Backend *model, void *state) { FORWARD(false, model->SetFMUstate(model->component, state)); }
 
 void backend_free_state(Backend *model, void *state)
 {
-    if (!model->dead) model->FreeFMUstate(model->component, &state);
+    PythonCall call;
+    if (!enter(model, &call, false)) return;
+    model->FreeFMUstate(model->component, &state);
+    python_leave(&call, false);
 }
 
 fmi2Status backend_state_size(Backend *model, void *state, size_t *size)
 {
-    return FORWARD(model->SerializedFMUstateSize(model->component, state, size));
+    FORWARD(false, model->SerializedFMUstateSize(model->component, state, size));
 }
 
 fmi2Status backend_write_state(Backend *model, void *state, char *bytes, size_t size)
 {
-    return FORWARD(model->SerializeFMUstate(model->component, state, bytes, size));
+    FORWARD(false, model->SerializeFMUstate(model->component, state, bytes, size));
 }
 
-fmi2Status backend_read_state(Backend *model, const char *bytes, size_t size, void **state)
+static fmi2Status read_state(Backend *model, const char *bytes, size_t size, void **state)
 {
-    return FORWARD(model->DeSerializeFMUstate(model->component, bytes, size, state));
+    FORWARD(false, model->DeSerializeFMUstate(model->component, bytes, size, state));
+}
+
+fmi2Status backend_read_state(Backend *model, const Progress *progress, const char *bytes, size_t size, void **state)
+{
+    fmi2Status status = read_state(model, bytes, size, state);
+    (void)progress; /* the slave needs none of it to be safe: it raises no exception that it does not catch */
+    if (status != fmi2OK) return status;
+    status = backend_set_state(model, *state); /* our slaves check what was read, and do not set it */
+    if (!model->dead && model->front->worst >= fmi2Error) backend_free_state(model, *state);
+    return status;
 }
 
 fmi2Status backend_directional_derivative(Backend *model, const fmi2ValueReference unknowns[], size_t unknown_count,

@@ -10,11 +10,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "names.h" /* before all names that it changes */
+
+#include "busy.h"
 #include "fmi2Functions.h"
 
 typedef struct Front Front;
-
-#include "backend.h"
 
 /* The states of FMI 2.0's state machine of co-simulation that a slave without asynchronous steps can be in. */
 typedef enum {
@@ -31,12 +32,17 @@ typedef enum {
 typedef struct {
     double time;         /* the current communication point [s] */
     double stop;         /* [s], if has_stop */
-    double last_success; /* [s] */
+    double last_success; /* [s] where the last step ended, or how far it got */
+    double start;        /* [s] */
+    double elapsed;      /* sum of the steps [s] */
+    uint64_t steps;
     uint32_t mode;
     uint32_t has_stop;
     uint32_t last_step;
     uint32_t setup; /* fmi2SetupExperiment was called */
 } Progress;
+
+#include "backend.h"
 
 typedef struct SavedState {
     struct SavedState *next;
@@ -50,11 +56,12 @@ struct Front {
     fmi2CallbackLogger logger;
     fmi2ComponentEnvironment environment;
     bool logging;
-    unsigned categories; /* bit per log category asked for; 0: all */
+    unsigned categories; /* bit per log category asked for */
     uint64_t identity;   /* hash of the GUID, so that states of other builds are refused */
     Progress progress;
     fmi2Status worst; /* worst status logged during the current call */
-    int32_t busy;     /* a call is running (1), and another one is being refused (2); see front_enter */
+    bool partly;      /* a step has got somewhere: an error from here on is fmi2Discard, as a shorter step would succeed */
+    Busy busy;        /* a call is running (1), and another one is being refused (2); see front_enter */
     SavedState *states;
     Backend *backend;
 };
@@ -98,13 +105,20 @@ typedef enum {
 /* The instance behind `c` if `call` is allowed now, else NULL with the status to return in *refusal. */
 Front *front_enter(fmi2Component c, Call call, fmi2Status *refusal);
 
-/* Ends a call: the worse of `status` and of what was logged, which also decides the state the instance is in. */
+/* The status of a call: the worse of `status` and of what was logged, a mere warning aside, which ends a run in several
+ * hosts.  It also decides the state the instance is in. */
+fmi2Status front_judge(Front *front, fmi2Status status);
+
+/* What a step that fails now gives. */
+fmi2Status front_failure(const Front *front);
+
+/* Ends a call with that status; nothing of the instance may be touched behind it. */
 fmi2Status front_leave(Front *front, fmi2Status status);
 
 /* True if `count` is 0 or all of the pointers are there; else logs which function lacks an argument. */
 bool front_has(Front *front, Call call, size_t count, const void *first, const void *second);
 
-/* Logs fmi2Error and returns it. */
+/* Logs fmi2Error and returns it, or fmi2Discard: see front_failure. */
 fmi2Status front_fail(Front *front, const char *format, ...)
 #if defined(__GNUC__)
     __attribute__((format(printf, 2, 3)))
@@ -115,8 +129,27 @@ const char *front_call_name(Call call);
 
 /* front_log.c ------------------------------------------------------------------------------------------------ */
 
-/* Replaces the log categories asked for; false if one of them is unknown (which is logged). */
-bool front_choose_categories(Front *front, size_t count, const fmi2String names[]);
+enum { LOG_ALL = 1u }; /* the category that holds all others */
+
+/* Replaces the log categories asked for: all if `count` is 0.  Unknown ones are warned of. */
+void front_choose_categories(Front *front, bool logging, size_t count, const fmi2String names[]);
+
+void front_log_list(Front *front, fmi2Status status, const char *format, va_list arguments);
+
+/* front_text.c ----------------------------------------------------------------------------------------------- */
+
+bool text_is_utf8(const char *text);
+
+/* A copy that a logger can show: '?' for what is no UTF-8 and for control characters; `clean` has room for as many bytes
+ * as the text, twice as many if it is to be a format, in which each percent sign is doubled. */
+void text_for_logger(const char *text, bool is_format, char *clean);
+
+typedef struct {
+    char text[256];
+} Excerpt;
+
+/* Beginning and end of a text that is too long for a sentence; the text itself if it is not. */
+const char *text_excerpt(const char *text, Excerpt *excerpt);
 
 /* resource_path.c -------------------------------------------------------------------------------------------- */
 
@@ -128,6 +161,9 @@ char *resource_path(const char *uri);
 
 /* Frees all states that were saved and not freed. */
 void front_free_states(Front *front);
+
+/* Says that the bytes of a state hold what cannot be; fmi2Error. */
+fmi2Status front_refuse_state(Front *front);
 
 /* FNV-1a, 64 bits. */
 uint64_t front_hash(const void *bytes, size_t size);

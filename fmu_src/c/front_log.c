@@ -1,6 +1,5 @@
 /* Messages to the host's logger, and the log categories of the FMI standard. */
 #include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,94 +7,81 @@
 
 static const char *const CATEGORIES[] = {"logAll", "logStatusWarning", "logStatusDiscard", "logStatusError",
                                          "logStatusFatal"};
-enum { CATEGORY_COUNT = 5, LOG_ALL = 1u };
+enum { CATEGORY_COUNT = 5 };
 
-bool front_choose_categories(Front *front, size_t count, const fmi2String names[])
+static unsigned category_bit(const char *name)
 {
-    bool known = true;
-    front->categories = 0;
-    for (size_t i = 0; i < count; i++) {
-        unsigned bit = 0;
-        for (unsigned k = 0; k < CATEGORY_COUNT; k++) {
-            if (names[i] && strcmp(names[i], CATEGORIES[k]) == 0) bit = 1u << k;
-        }
-        if (bit == 0) {
-            known = false;
-            front_log(front, fmi2Warning,
-                      "fmi2SetDebugLogging does not know the log category '%.100s': choose from logStatusWarning, "
-                      "logStatusDiscard, logStatusError, logStatusFatal and logAll",
-                      names[i] ? names[i] : "(null)");
-        }
-        front->categories |= bit;
+    for (unsigned k = 0; name && k < CATEGORY_COUNT; k++) {
+        if (strcmp(name, CATEGORIES[k]) == 0) return 1u << k;
     }
-    return known;
+    return 0;
 }
 
-/* Without debug logging, what explains a returned status is still passed on, as the standard has it ("logger" was
- * called); with a list of categories the host has said exactly what it wants. */
+static void warn_of_unknown(Front *front, size_t count, const fmi2String names[])
+{
+    Excerpt excerpt;
+    for (size_t i = 0; i < count; i++) {
+        if (category_bit(names[i]) != 0) continue;
+        front_log(front, fmi2Warning,
+                  "fmi2SetDebugLogging does not know the log category '%s', which enables nothing: choose from "
+                  "logStatusWarning, logStatusDiscard, logStatusError, logStatusFatal and logAll",
+                  names[i] ? text_excerpt(names[i], &excerpt) : "(null)");
+    }
+}
+
+/* What explains a failure is passed on whatever the host has enabled: the status alone would tell it nothing. */
 static bool wanted(const Front *front, fmi2Status status)
 {
-    if (!front->logging) return status != fmi2OK;
-    return front->categories == 0 || (front->categories & (LOG_ALL | 1u << status)) != 0;
+    return status >= fmi2Error || (front->logging && (front->categories & (LOG_ALL | 1u << status)) != 0);
 }
 
-enum { MOST_NUMBERS = 12, LONGEST_FORMAT = 1024 };
-
-/* The numbers of a message; those behind a conversion that is not one of our sentences' are left out. */
-static int numbers_of(const char *format, va_list arguments, double numbers[MOST_NUMBERS])
+void front_choose_categories(Front *front, bool logging, size_t count, const fmi2String names[])
 {
-    int count = 0;
-    for (const char *at = strchr(format, '%'); at && count < MOST_NUMBERS; at = strchr(at + 1, '%')) {
-        at += 1 + strspn(at + 1, ".0123456789");
-        if (*at == 'g') numbers[count++] = va_arg(arguments, double);
-        else if (*at == 's') (void)va_arg(arguments, const char *);
-        else if (*at == 'd') (void)va_arg(arguments, int);
-        else if (*at != '%') break;
-    }
-    return count;
+    unsigned categories = count == 0 ? LOG_ALL : 0;
+    const bool heard_before = wanted(front, fmi2Warning); /* so that somebody learns of a name that enables nothing */
+    for (size_t i = 0; i < count; i++) categories |= category_bit(names[i]);
+    if (heard_before) warn_of_unknown(front, count, names);
+    front->logging = logging;
+    front->categories = categories;
+    if (!heard_before) warn_of_unknown(front, count, names);
 }
 
-static bool look_alike(double a, double b)
+/* As text that any logger shows as it is: the format itself, so that those which ignore further arguments show it too. */
+static void hand_over(Front *front, fmi2Status status, const char *message, char *clean)
 {
-    char one[32], other[32];
-    if (!(a < b || a > b)) return false; /* equal, or not numbers */
-    snprintf(one, sizeof one, "%.10g", a);
-    snprintf(other, sizeof other, "%.10g", b);
-    return strcmp(one, other) == 0;
+    text_for_logger(message, true, clean);
+    front->logger(front->environment, front->name, status, CATEGORIES[status], clean);
 }
 
-int front_print(char *text, size_t size, const char *format, va_list arguments)
+void front_log_list(Front *front, fmi2Status status, const char *format, va_list arguments)
 {
-    double numbers[MOST_NUMBERS];
-    char exact[LONGEST_FORMAT];
-    bool alike = false;
+    char text[1024], clean[2 * sizeof text], *longer = NULL;
     va_list copy;
+    if (status == fmi2Error) status = front_failure(front);
+    if (status > front->worst) front->worst = status;
+    if (!front->logger || !wanted(front, status)) return;
     va_copy(copy, arguments);
-    const int count = numbers_of(format, copy, numbers);
+    const size_t size = (size_t)front_print(text, sizeof text, format, copy) + 1;
     va_end(copy);
-    for (int i = 0; i < count; i++)
-        for (int k = 0; k < i; k++) alike = alike || look_alike(numbers[i], numbers[k]);
-    if (!alike || strlen(format) >= sizeof exact) return vsnprintf(text, size, format, arguments);
-    memcpy(exact, format, strlen(format) + 1);
-    for (char *at = exact; (at = strstr(at, "%.10g")) != NULL; at++) memcpy(at, "%.17g", 5);
-    return vsnprintf(text, size, exact, arguments);
+    if (size > sizeof text && (longer = malloc(3 * size)) != NULL) front_print(longer, size, format, arguments);
+    if (longer) hand_over(front, status, longer, longer + size);
+    else hand_over(front, status, text, clean); /* cut if it was too long, but better than nothing */
+    free(longer);
 }
 
 void front_log(Front *front, fmi2Status status, const char *format, ...)
 {
-    char text[1024], *message = text;
     va_list arguments;
-    if (status > front->worst) front->worst = status;
-    if (!front->logger || !wanted(front, status)) return;
     va_start(arguments, format);
-    const int length = front_print(text, sizeof text, format, arguments);
+    front_log_list(front, status, format, arguments);
     va_end(arguments);
-    if (length >= (int)sizeof text && (message = malloc((size_t)length + 1)) != NULL) {
-        va_start(arguments, format);
-        front_print(message, (size_t)length + 1, format, arguments);
-        va_end(arguments);
-    }
-    if (!message) message = text; /* cut, but better than nothing */
-    front->logger(front->environment, front->name, status, CATEGORIES[status], "%s", message);
-    if (message != text) free(message);
+}
+
+fmi2Status front_fail(Front *front, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    front_log_list(front, fmi2Error, format, arguments);
+    va_end(arguments);
+    return front_failure(front);
 }

@@ -1,4 +1,5 @@
 /* Saved states: the backend's, with what the front remembers, and their serialised form. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,11 +28,17 @@ uint64_t front_hash(const void *bytes, size_t size)
     return hash;
 }
 
-/* `handle` as a state of this instance, or NULL, which is logged. */
-static SavedState *find_state(Front *front, Call call, fmi2FMUstate handle)
+static SavedState *is_ours(Front *front, fmi2FMUstate handle)
 {
     SavedState *state = front->states;
     while (state && state != handle) state = state->next;
+    return state;
+}
+
+/* `handle` as a state of this instance, or NULL, which is logged. */
+static SavedState *find_state(Front *front, Call call, fmi2FMUstate handle)
+{
+    SavedState *state = is_ours(front, handle);
     if (!state)
         front_fail(front, "%s was called with a state that is not one of this instance: pass one from fmi2GetFMUstate or "
                           "fmi2DeSerializeFMUstate that was not freed", front_call_name(call));
@@ -62,15 +69,15 @@ void front_free_states(Front *front)
 /* Puts `state` on the instance's list if `status` is good, else frees it; the status of the call. */
 static fmi2Status keep(Front *front, SavedState *state, fmi2Status status, fmi2FMUstate *handle)
 {
-    status = front_leave(front, status);
-    if (status > fmi2Warning) {
+    status = front_judge(front, status);
+    if (status == fmi2OK) {
+        state->next = front->states;
+        front->states = state;
+        *handle = state;
+    } else {
         free(state);
-        return status;
     }
-    state->next = front->states;
-    front->states = state;
-    *handle = state;
-    return status;
+    return front_leave(front, status);
 }
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *handle)
@@ -98,9 +105,9 @@ fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate handle)
     Front *front = front_enter(c, CALL_SET_STATE, &status);
     if (!front) return status;
     const SavedState *state = find_state(front, CALL_SET_STATE, handle);
-    status = front_leave(front, state ? backend_set_state(front->backend, state->backend) : fmi2Error);
-    if (state && status <= fmi2Warning) front->progress = state->progress;
-    return status;
+    status = front_judge(front, state ? backend_set_state(front->backend, state->backend) : fmi2Error);
+    if (state && status == fmi2OK) front->progress = state->progress;
+    return front_leave(front, status);
 }
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *handle)
@@ -109,6 +116,7 @@ fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *handle)
     Front *front = front_enter(c, CALL_FREE_STATE, &status);
     if (!front) return status;
     if (!handle || !*handle) return front_leave(front, fmi2OK); /* as the standard has it */
+    if (front->progress.mode == IN_ERROR && !is_ours(front, *handle)) return front_leave(front, fmi2Error); /* said enough */
     SavedState *state = find_state(front, CALL_FREE_STATE, *handle);
     if (!state) return front_leave(front, fmi2Error);
     unlink_and_free(front, state);
@@ -123,9 +131,9 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate handle, size
     if (!front) return status;
     const SavedState *state = find_state(front, CALL_STATE_SIZE, handle);
     if (!state || !front_has(front, CALL_STATE_SIZE, 1, size, size)) return front_leave(front, fmi2Error);
-    status = front_leave(front, backend_state_size(front->backend, state->backend, size));
-    if (status <= fmi2Warning) *size += sizeof(Header);
-    return status;
+    status = front_judge(front, backend_state_size(front->backend, state->backend, size));
+    if (status == fmi2OK) *size += sizeof(Header);
+    return front_leave(front, status);
 }
 
 /* The sum over a serialised state, all but the kind and the sum itself. */
@@ -144,7 +152,7 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate handle, fmi2Byte 
     const SavedState *state = find_state(front, CALL_SERIALIZE_STATE, handle);
     if (!state || !front_has(front, CALL_SERIALIZE_STATE, 1, bytes, bytes)) return front_leave(front, fmi2Error);
     status = backend_state_size(front->backend, state->backend, &needed);
-    if (status > fmi2Warning || front->worst > fmi2Warning) return front_leave(front, status);
+    if (front_judge(front, status) != fmi2OK) return front_leave(front, status);
     if (size < needed + sizeof(Header))
         return front_leave(front, front_fail(front, "fmi2SerializeFMUstate was given %lu bytes, but the state takes %lu: "
                                                     "ask fmi2SerializedFMUstateSize first", (unsigned long)size,
@@ -159,15 +167,34 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate handle, fmi2Byte 
     return front_leave(front, status);
 }
 
+fmi2Status front_refuse_state(Front *front)
+{
+    return front_fail(front, "fmi2DeSerializeFMUstate was given a state that no run can come to, though its checksum fits: "
+                             "pass what fmi2SerializeFMUstate wrote");
+}
+
+/* Whether what the front remembers can be so: any host can forge a sum. */
+static bool can_be(const Header *header)
+{
+    const Progress *progress = &header->progress;
+    const uint32_t mode = progress->mode, modes = INSTANTIATED | INITIALIZATION | STEP_COMPLETE | STEP_FAILED | TERMINATED |
+                                                  IN_ERROR;
+    return header->reserved == 0 && (mode & modes) == mode && mode != 0 && (mode & (mode - 1)) == 0 &&
+           progress->has_stop <= 1 && progress->setup <= 1 && progress->last_step <= fmi2Error &&
+           isfinite(progress->time) && isfinite(progress->start) && progress->elapsed >= 0.0 && isfinite(progress->elapsed) && progress->steps < UINT64_C(1) << 53 &&
+           isfinite(progress->last_success) && progress->last_success >= progress->time &&
+           !isnan(progress->stop);
+}
+
 /* Whether the bytes are a whole and undamaged state of this very build; if not, says why. */
 static bool intact(Front *front, const fmi2Byte bytes[], size_t size, Header *header)
 {
     memset(header, 0, sizeof *header);
     if (size >= sizeof *header) memcpy(header, bytes, sizeof *header);
-    if (memcmp(header->kind, KIND, sizeof KIND) != 0)
+    if (size < sizeof KIND || memcmp(bytes, KIND, sizeof KIND) != 0)
         front_fail(front, "fmi2DeSerializeFMUstate was given %lu bytes that are not a saved state of a platoon: pass what "
                           "fmi2SerializeFMUstate wrote", (unsigned long)size);
-    else if (header->size > size - sizeof *header)
+    else if (size < sizeof *header || header->size > size - sizeof *header)
         front_fail(front, "fmi2DeSerializeFMUstate was given a state cut off at %lu bytes: save it again",
                    (unsigned long)size);
     else if (header->sum != sum_of(bytes, sizeof *header + (size_t)header->size))
@@ -175,6 +202,8 @@ static bool intact(Front *front, const fmi2Byte bytes[], size_t size, Header *he
     else if (header->version != STATE_VERSION || header->identity != front->identity)
         front_fail(front, "fmi2DeSerializeFMUstate was given a state of another FMU or of another version of it: states "
                           "fit the very build that saved them");
+    else if (!can_be(header))
+        front_refuse_state(front);
     else
         return true;
     return false;
@@ -191,6 +220,7 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size
     SavedState *state = new_state(front);
     if (!state) return front_leave(front, fmi2Error);
     state->progress = header.progress;
-    status = backend_read_state(front->backend, bytes + sizeof header, (size_t)header.size, &state->backend);
+    status = backend_read_state(front->backend, &header.progress, bytes + sizeof header, (size_t)header.size,
+                                &state->backend);
     return keep(front, state, status, handle);
 }

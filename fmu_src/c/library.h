@@ -5,6 +5,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "names.h"
+
 /* The library at `path`, or NULL; its symbols are everybody's if `global` (POSIX only). */
 void *library_open(const char *path, bool global);
 

@@ -46,7 +46,7 @@ def _measured(n: int, rows: dict[str, Variable]) -> Iterator[Variable]:
     yield Variable("n_active", text, "1", float(n), 1, n, input=True)
     text = "alpha, r, p are chosen anew where this rises above 0.5"
     yield Variable("resolve", text, "1", 0.0, 0, 1, input=True)
-    text = "Desired cruising speed from now on, above 0 and below v_max; v_star if below 0"
+    text = "Desired cruising speed from now on, from 0, to stand, to v_max; v_star if -1 or below"
     yield Variable("v_desired", text, "m/s", -1.0, nominal=30, input=True)
     text = "Time at which gaps and speeds were measured; if below 0, that is when they were last set"
     yield Variable("t_measured", text, "s", -1.0, nominal=100, input=True, continuous=True)

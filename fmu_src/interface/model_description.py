@@ -9,7 +9,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 from .variables import Variable
 
 BASE_UNITS: dict[str, dict[str, int]] = {
-    "1": {},
+    "1": {"m": 0},  # an element without exponents is valid, but not read by all importers
     "m": {"m": 1},
     "s": {"s": 1},
     "m/s": {"m": 1, "s": -1},
@@ -40,6 +40,7 @@ class Component:
     capabilities : attributes of CoSimulation that are true
     source_files : C sources to compile, relative to sources/
     stop_time, step_size : of the default experiment [s]
+    tolerance : of the default experiment, relative; for importers that ask for one, as the FMUs integrate exactly
     """
 
     name: str
@@ -51,6 +52,7 @@ class Component:
     source_files: tuple[str, ...] = ()
     stop_time: float = 20.0
     step_size: float = 0.01
+    tolerance: float = 1e-6
 
 
 def _number(value: float, integer: bool) -> str:
@@ -132,8 +134,9 @@ def model_description(component: Component, table: Sequence[Variable]) -> bytes:
     categories = SubElement(root, "LogCategories")
     for name, description in LOG_CATEGORIES.items():
         SubElement(categories, "Category", name=name, description=description)
-    times = {"stopTime": repr(component.stop_time), "stepSize": repr(component.step_size)}
-    SubElement(root, "DefaultExperiment", {"startTime": "0.0"} | times)
+    experiment = {"stopTime": component.stop_time, "tolerance": component.tolerance, "stepSize": component.step_size}
+    numbers = {name: repr(value) for name, value in experiment.items()}
+    SubElement(root, "DefaultExperiment", {"startTime": "0.0"} | numbers)
     variables = SubElement(root, "ModelVariables")
     for reference, variable in enumerate(table):
         _scalar_variable(variables, reference, variable)

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
 
+from psp_model.installed.files import licence
+
 from ..interface.controller_variables import controller_table
 from ..interface.documentation import index_page
 from ..interface.model_description import Component, model_description
@@ -15,9 +17,9 @@ from ..pack.archive import content_digest, guid_of, write_fmu
 from ..pack.ecosystem import layered_standard, reference_results
 from ..python.build import NetworkFile, notes_on_networks
 from ..python.components import CONTROLLER
-from ..toolchain.compile import ENDINGS, FMI_HEADERS, FRONT, SOURCES, compile_library, host_platform
+from ..toolchain.compile import ENDINGS, FRONT, SOURCES, compile_library, fmi_headers, host_platform, prefix_header
 from .kernels import kernels_header
-from .tables import model_header, network_header
+from .tables import model_header, network_header, table_header
 
 PLATFORMS = ("linux64", "win64", "darwin64")
 DESCRIPTION = (
@@ -35,11 +37,18 @@ _OWN_SOURCES = {  # of each component, by the name of the header that says what 
         "platoon_derivatives.c",
         "platoon_lemma1.c",
         "platoon_membership.c",
+        "platoon_restore.c",
         "platoon_start.c",
         "platoon_trial.c",
         "platoon_trial.h",
     ),
-    "controller_model.h": ("controller.h", "controller_backend.c", "controller_sample.c", "controller_settings.c"),
+    "controller_model.h": (
+        "controller.h",
+        "controller_backend.c",
+        "controller_restore.c",
+        "controller_sample.c",
+        "controller_settings.c",
+    ),
 }
 
 
@@ -83,6 +92,8 @@ class NativeFmu:
             "psp_kernels.h": kernels_header(),
             "psp_model.h": model_header(self.table, self.vehicles, guid, self.networks, self.header),
             "psp_network.h": network_header(self.networks),
+            "psp_prefix.h": prefix_header(self.name),
+            "psp_table.h": table_header(self.table),
         }
         return found | {name: text.encode() for name, text in generated.items()}
 
@@ -110,7 +121,8 @@ def native_platoon(vehicles: int, networks: Mapping[int, NetworkFile]) -> Native
         table=table,
         networks=networks,
         notes=(*notes_on_networks(networks), NEEDS),
-        capabilities=(*_CAPABILITIES, "providesDirectionalDerivative"),
+        # an answer of a network has no derivative here: promised only where the defaults hold alpha, r, p fixed
+        capabilities=_CAPABILITIES if vehicles in networks else (*_CAPABILITIES, "providesDirectionalDerivative"),
         more=layered_standard(table, reference_results(table, reader)),
     )
 
@@ -150,7 +162,7 @@ def build_native_fmu(fmu: NativeFmu, output: Path, platforms: Sequence[str] | No
     component = Component(fmu.name, fmu.description, version("psp-platoon"), "", capabilities=fmu.capabilities)
     packed = {
         "documentation/index.html": index_page(component, fmu.vehicles, fmu.table, fmu.notes),
-        "documentation/licenses/license.txt": (_HERE.parents[1] / "LICENSE").read_bytes(),
+        "documentation/licenses/license.txt": licence(),
         "model.png": (_HERE.parent / "model.png").read_bytes(),
     }
     packed |= fmu.more
@@ -158,8 +170,7 @@ def build_native_fmu(fmu: NativeFmu, output: Path, platforms: Sequence[str] | No
     sources = fmu.sources(guid)
     names = tuple(sorted(name for name in sources if name.endswith(".c")))
     packed["modelDescription.xml"] = model_description(replace(component, guid=guid, source_files=names), fmu.table)
-    packed |= {f"sources/{name}": content for name, content in sources.items()}
-    packed |= {f"sources/{header.name}": header.read_bytes() for header in FMI_HEADERS.glob("fmi2*.h")}
+    packed |= {f"sources/{name}": content for name, content in (fmi_headers() | sources).items()}
     for platform in platforms or (host_platform(),):
         packed[f"binaries/{platform}/{fmu.name}.{ENDINGS[platform]}"] = compile_library(platform, fmu.name, sources)
     path = output / f"{fmu.name}.fmu"

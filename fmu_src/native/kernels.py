@@ -12,13 +12,15 @@ from typing import Any
 
 import casadi
 
-from psp_model.law.feedback import command
+from psp_model.law.feedback import command, command_towards
 from psp_model.law.potential import PotentialParameters, on_hill, potential_slope
 from psp_model.objective import acceleration_cost, gap_cost
 from psp_model.parameters import ObjectiveWeights, PlatoonParameters, generic
 from psp_model.sampling.hold import advance, gaps_after, travelled
 from psp_model.sampling.lemma1 import period_bounds
 from psp_model.selection.feasible import cell_bound
+
+from ..errors import BuildError
 
 Symbols = Sequence[Any]
 
@@ -102,7 +104,10 @@ def _inline(name: str, inputs: Symbols, outputs: Symbols) -> str:
     arguments = [f"double {symbol.name()}" for symbol in inputs]
     statements = _statements(body, [symbol.name() for symbol in inputs])
     if sum(left.startswith("res[") for left, _ in statements) != len(outputs):
-        raise RuntimeError("this version of CasADi writes C in a form that is not understood here")
+        raise BuildError(
+            "this version of CasADi writes C in a form that is not understood here",
+            "install the one that psp-platoon[native] asks for",
+        )
     lines = [f"const double {left} = {right};" for left, right in _needed(_with_selects(statements))]
     kind, result = ("double", "return ") if len(outputs) == 1 else ("void", r"*out_\1 = ")
     lines = [re.sub(r"const double res\[(\d+)\]\[0\] = ", result, line) for line in lines]
@@ -135,10 +140,16 @@ def _potential_kernels() -> str:
 def _feedback_kernels() -> str:
     u, v, v_star, v_max, epsilon, mu = inputs = _symbols("u v v_star v_max epsilon mu")
     commanded = command(u, v, generic(PlatoonParameters, v_star=v_star, v_max=v_max, epsilon=epsilon, mu=mu))
-    s, a, L = _symbols("s a L")
+    s, a, L, v_desired = _symbols("s a L v_desired")
+    of_desired = generic(PlatoonParameters, v_max=v_max, epsilon=epsilon, mu=mu)
     of_gap, of_speed = period_bounds(s, v, a, generic(PlatoonParameters, L=L, v_max=v_max))
     return (
         _inline("command", inputs, [commanded])
+        + _inline(
+            "command_towards",
+            [u, v, v_desired, v_max, epsilon, mu],
+            [command_towards(u, v, of_desired, v_desired)],
+        )
         + _inline("gap_bound", [s, L, v_max], [of_gap])
         + _inline("speed_bound", [v, a, v_max], [of_speed])
         + _with_tangent("command", inputs, commanded)

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
 
 import onnx
-from psp_model.errors import SENTENCES
+from psp_model import errors
 from psp_model.parameters import ALPHA_MAX, ALPHA_MIN, P_MAX, P_MIN
 from psp_model.selection.network import DICTIONARY, PARAMETERS, SCORES
 
+from ..errors import SENTENCES, BuildError
 from ..interface.variables import Variable
 from ..python.build import NetworkFile
 from .onnx_graph import Chain, Layer, candidates, chain_to, require_same
+
+_LONGEST_LINE = 120
 
 
 def _text(value: str) -> str:
@@ -31,7 +35,7 @@ def _group(name: str) -> str:
 def model_header(
     table: Sequence[Variable], vehicles: int, guid: str, networks: Mapping[int, NetworkFile], component: str
 ) -> str:
-    """psp_model.h: number of vehicles, value references, start values, names, sentences and limits.
+    """psp_model.h: number of vehicles, value references, sentences and limits.
 
     Parameters
     ----------
@@ -62,27 +66,45 @@ def model_header(
         defines[group] = next(iter(members))[0]
     lines = ["#ifndef PSP_MODEL_H", "#define PSP_MODEL_H", ""]
     lines += [f"#define PSP_{name} {value}" for name, value in defines.items()]
-    lines += ["", "#define PSP_STARTS {" + ", ".join(repr(float(start)) for start in starts) + "}"]
-    lines += ["#define PSP_NAMES {" + ", ".join(_text(variable.name) for variable in table) + "}", ""]
-    lines += [f"#define PSP_SENTENCE_{key} {_text(sentence)}" for key, sentence in SENTENCES.items()]
+    sentences = errors.SENTENCES | SENTENCES
+    lines += ["", *(f"#define PSP_SENTENCE_{key} {_text(sentence)}" for key, sentence in sentences.items())]
     return "/* Written by fmu_src/native/tables.py. */\n" + "\n".join([*lines, "", "#endif", ""])
 
 
-def _floats(values: Any) -> str:
+def _array(declaration: str, values: Iterable[str]) -> list[str]:
+    """An array in lines that every compiler takes: C11 promises 4095 characters."""
+    return [f"{declaration} = {{", *wrap(", ".join(values), _LONGEST_LINE, break_on_hyphens=False), "};"]
+
+
+def table_header(table: Sequence[Variable]) -> str:
+    """psp_table.h: start values and names of the variables, for the one file that includes it.
+
+    Parameters
+    ----------
+    table : the variables
+    """
+    starts = (repr(float(variable.start)) for variable in table if variable.start is not None)
+    names = (_text(variable.name) for variable in table)
+    lines = ['#include "psp_model.h"', "", *_array("static const double STARTS[PSP_FIRST_OUTPUT]", starts)]
+    lines += _array("const char *const PSP_VARIABLE_NAMES[PSP_COUNT]", names)
+    return "/* Written by fmu_src/native/tables.py. */\n" + "\n".join([*lines, ""])
+
+
+def _floats(values: Any) -> list[str]:
     """The shortest decimals that are read back as the same floats."""
-    return ", ".join(f"{value!s}f" for value in np.asarray(values, dtype=np.float32).ravel())
+    return [f"{value!s}f" for value in np.asarray(values, dtype=np.float32).ravel()]
 
 
 def _layers(name: str, layers: Sequence[Layer]) -> Iterator[str]:
     for place, layer in enumerate(layers):
-        yield f"static const float {name}_W{place}[] = {{{_floats(layer.weights)}}};"
-        yield f"static const float {name}_B{place}[] = {{{_floats(layer.bias)}}};"
+        yield from _array(f"static const float {name}_W{place}[]", _floats(layer.weights))
+        yield from _array(f"static const float {name}_B{place}[]", _floats(layer.bias))
     shapes = (", ".join(map(str, layer.weights.shape)) for layer in layers)
     rows = (
         f"{{{shape}, {name}_W{place}, {name}_B{place}, {str(layer.relu).lower()}}}"
         for place, (shape, layer) in enumerate(zip(shapes, layers, strict=True))
     )
-    yield f"static const PspLayer {name}[] = {{{', '.join(rows)}}};"
+    yield from _array(f"static const PspLayer {name}[]", rows)
 
 
 def _initialiser(chain: Chain, name: str) -> str:
@@ -95,13 +117,13 @@ def _tables(name: str, network: NetworkFile) -> tuple[list[str], int, int]:
 
     Raises
     ------
-    RuntimeError : where the network holds something that the C code does not know
+    BuildError : where the network holds something that the C code does not know
     """
     try:
         return _checked_tables(name, network)
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         remedy = "export it with psp train, or build with --runtime python"
-        raise RuntimeError(f"the network file {network.name} cannot go into C ({error}): {remedy}") from None
+        raise BuildError(f"the network file {network.name} cannot go into C ({error})", remedy) from None
 
 
 def _checked_tables(name: str, network: NetworkFile) -> tuple[list[str], int, int]:
@@ -114,8 +136,8 @@ def _checked_tables(name: str, network: NetworkFile) -> tuple[list[str], int, in
         scores, triples = chain_to(graph, SCORES), candidates(graph)
         widest, rows = max(widest, scores.widest), len(triples)
         lines += _layers(f"{name}_SCORES", scores.layers)
-        listed = ", ".join(f"{{{_floats(triple)}}}" for triple in triples)
-        lines.append(f"static const float {name}_CANDIDATES[][3] = {{{listed}}};")
+        listed = (f"{{{', '.join(_floats(triple))}}}" for triple in triples)
+        lines += _array(f"static const float {name}_CANDIDATES[][3]", listed)
         row |= {"scores": _initialiser(scores, f"{name}_SCORES")}
         row |= {"candidates": f"{name}_CANDIDATES", "candidate_count": str(rows)}
     row |= {bound: repr(value) for bound, value in network.domain.items()}

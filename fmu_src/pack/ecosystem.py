@@ -1,7 +1,7 @@
 """Files around an FMU that other tools ask for: SSP with parameter sets, cross-check files, FMI-LS-REF.
 
-`python -m fmu_src.pack.ecosystem FMU FOLDER` writes Platoon.ssp, scenario1.ssv, scenario2.ssv, NAME_in.csv, NAME_ref.csv and
-NAME_ref.opt for an FMU of ours.
+`python -m fmu_src.pack.ecosystem FMU FOLDER` writes NAME_in.csv, NAME_ref.csv and NAME_ref.opt for an FMU of ours and, for
+the platoon, Platoon.ssp, scenario1.ssv and scenario2.ssv.
 """
 
 from __future__ import annotations
@@ -21,16 +21,23 @@ from psp_model.selection.network import ParameterNetwork
 from psp_model.selection.selectors import select_for
 
 from ..interface.meaning import constants_of, request_of, sampling_of, start_of, weights_of
-from ..interface.variables import Variable, platoon_table
-from .ssp import SystemComponent, parameter_set, write_ssp, xml_file
+from ..interface.variables import Variable
+from .ssp import (
+    SCENARIOS,
+    STOP_TIME,
+    System,
+    SystemComponent,
+    parameter_connectors,
+    parameter_set,
+    parameters_of,
+    with_values,
+    write_ssp,
+    xml_file,
+)
 
 _LS = "http://fmi-standard.org/fmi-ls-manifest"
 LS_REF = "extra/org.fmi-standard.fmi-ls-ref"
-STOP_TIME, STEP_SIZE = 20.0, 0.01  # [s]
-SCENARIOS: Mapping[str, Mapping[str, float]] = {  # the paper's, from the start values of the table
-    "scenario1": {"potential": 1, "lemma1_policy": 1},
-    "scenario2": {"potential": 2, "lemma1_policy": 1},
-}
+STEP_SIZE = 0.01  # [s]
 
 
 def scenario_values(table: Sequence[Variable], scenario: str) -> dict[str, float]:
@@ -56,30 +63,37 @@ def parameter_files(table: Sequence[Variable]) -> dict[str, bytes]:
     ----------
     table : the variables
     """
-    return {f"{name}.ssv": xml_file(parameter_set(name, scenario_values(table, name))) for name in SCENARIOS}
+    return _parameter_files({name: scenario_values(table, name) for name in SCENARIOS})
+
+
+def _parameter_files(sets: Mapping[str, Mapping[str, float]]) -> dict[str, bytes]:
+    return {f"{name}.ssv": xml_file(parameter_set(name, values)) for name, values in sets.items()}
+
+
+def _scenario_sets(fmu: Path) -> dict[str, dict[str, float]]:
+    parameters = parameters_of(fmu)
+    return {name: with_values(parameters, changed) for name, changed in SCENARIOS.items()}
 
 
 def write_platoon_ssp(fmu: Path, path: Path) -> Path:
-    """A flat .ssp with one component, its parameters and outputs, and both scenarios as parameter sets of its own.
+    """A flat .ssp with one component, its parameters and outputs: scenario1.ssd, scenario2.ssd; the latter by default.
 
     Parameters
     ----------
-    fmu : an FMU of ours
+    fmu : the platoon
     path : of the .ssp
     """
-    table = _table(fmu)
+    sets = _scenario_sets(fmu)
     # fmpy cannot run a system that leaves an input unconnected
-    connectors = {row.name: (row.causality, row.fmi_type) for row in table if row.causality != "input"}
-    platoon = SystemComponent(fmu, connectors, SCENARIOS)
-    return write_ssp(path, {"platoon": platoon}, more=parameter_files(table), stop_time=STOP_TIME)
+    outputs = {row.name: ("output", row.type) for row in _variables(fmu, "output")}
+    platoon = SystemComponent(fmu, parameter_connectors(parameters_of(fmu)) | outputs, sets)
+    system = System(path.stem, {"platoon": platoon}, step_size=STEP_SIZE)
+    return write_ssp(path, system, "scenario2", tuple(SCENARIOS), _parameter_files(sets))
 
 
-def _table(fmu: Path) -> tuple[Variable, ...]:
-    """The table that an FMU was built from."""
+def _variables(fmu: Path, causality: str) -> list[Any]:
     model = read_model_description(str(fmu), validate=False)
-    starts = {variable.name: variable.start for variable in model.modelVariables}
-    vehicles = sum(name.startswith("v_start[") for name in starts)
-    return platoon_table(vehicles, int(starts["parameter_source"]))
+    return [row for row in model.modelVariables if row.causality == causality]
 
 
 def _csv(names: Sequence[str], rows: Any, number: str = "%.17g") -> str:
@@ -89,8 +103,24 @@ def _csv(names: Sequence[str], rows: Any, number: str = "%.17g") -> str:
     return text.getvalue()
 
 
+def shown_outputs(names: Sequence[str]) -> list[str]:
+    """The outputs that a reference result shows, 10 at most: of the first vehicle and the last, and reports.
+
+    Parameters
+    ----------
+    names : of all outputs
+    """
+    n = max((int(name[2:-1]) for name in names if name.startswith(("a[", "v["))), default=1)
+    wanted = [f"x[{n}]", "v", "v[1]", f"v[{n}]", "a[1]", f"a[{n}]", "s[2]", f"s[{n}]", "T_max"]
+    wanted += ["J_acceleration", "J_gap"] if "J" in names else ["alpha", "input_ok"]
+    return [name for name in dict.fromkeys(wanted) if name in names]
+
+
 def write_cross_check(fmu: Path, folder: Path) -> list[Path]:
-    """The three files of the FMI project's cross-check for the default start: inputs, 10 outputs, options.
+    """The three files of the FMI project's cross-check for the default start: all inputs, up to 10 outputs, options.
+
+    Inputs keep their start values, so that it does not matter how a tool interpolates between rows.  An FMU without
+    inputs has no NAME_in.csv, which is optional: fmuCheck cannot read one with time alone.
 
     Parameters
     ----------
@@ -101,13 +131,16 @@ def write_cross_check(fmu: Path, folder: Path) -> list[Path]:
     -------
     the files
     """
-    n = sum(row.name.startswith("v_start[") for row in _table(fmu))
-    names = [f"x[{n}]", "v[1]", f"v[{n}]", "a[1]", f"a[{n}]", "s[2]", f"s[{n}]", "T_max", "J_acceleration", "J_gap"]
-    result = simulate_fmu(str(fmu), stop_time=STOP_TIME, step_size=STEP_SIZE, output_interval=0.1, output=names)
+    inputs = {row.name: float(row.start) for row in _variables(fmu, "input")}
+    names = shown_outputs([row.name for row in _variables(fmu, "output")])
+    given = np.array([[time, *inputs.values()] for time in (0.0, STOP_TIME)])
+    columns = np.array([tuple(row) for row in given], dtype=[(name, float) for name in ("time", *inputs)])
+    step = {"step_size": STEP_SIZE, "output_interval": 0.1}
+    result = simulate_fmu(str(fmu), stop_time=STOP_TIME, output=names, input=columns if inputs else None, **step)
     rows = np.column_stack([result[name] for name in ("time", *names)])
     options = {"StartTime": 0.0, "StopTime": STOP_TIME, "StepSize": STEP_SIZE, "RelTol": 1e-6}
-    contents = {
-        "in.csv": '"time"\n0\n',
+    contents = {"in.csv": _csv(["time", *inputs], given)} if inputs else {}
+    contents |= {
         "ref.csv": _csv(["time", *names], rows),
         "ref.opt": "".join(f"{name},{value!r}\n" for name, value in options.items()),
     }
@@ -181,10 +214,12 @@ def reference_results(table: Sequence[Variable], network: ParameterNetwork | Non
 def main(fmu: Path, folder: Path) -> list[Path]:
     """Write everything for an FMU and say what was written."""
     folder.mkdir(parents=True, exist_ok=True)
-    written = [write_platoon_ssp(fmu, folder / "Platoon.ssp"), *write_cross_check(fmu, folder)]
-    for name, content in parameter_files(_table(fmu)).items():
-        written.append(folder / name)
-        written[-1].write_bytes(content)
+    written = write_cross_check(fmu, folder)
+    if any(row.name == "J" for row in _variables(fmu, "output")):  # the platoon is a system by itself
+        written.append(write_platoon_ssp(fmu, folder / "Platoon.ssp"))
+        for name, content in _parameter_files(_scenario_sets(fmu)).items():
+            written.append(folder / name)
+            written[-1].write_bytes(content)
     print(*written, sep="\n")
     return written
 

@@ -1,13 +1,22 @@
-"""A system of FMUs as one flat .ssp file: connectors on components, connections between them (SSP 1.0)."""
+"""A system of FMUs as one flat .ssp file: connectors on components, connections between them (SSP 1.0).
+
+SystemStructure.ssd is what a master opens that is told nothing else.  Each scenario is an .ssd file of its own, because
+a master applies all parameters that one .ssd binds: of two values for a parameter, the last wins.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from math import isfinite
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
+from fmpy import read_model_description
+
+from ..errors import ParameterError
 from .archive import write_fmu
+from .ssp_annotations import annotate_experiment, annotate_system
 
 _SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
 _SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
@@ -15,6 +24,12 @@ _SSV = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
 
 Connector = tuple[str, str]  # component, variable
 Values = Mapping[str, float]  # an int stands for an Integer
+
+STOP_TIME = 20.0  # [s]
+SCENARIOS: Mapping[str, Values] = {  # the paper's, from the start values of the FMU
+    "scenario1": {"potential": 1, "lemma1_policy": 1},
+    "scenario2": {"potential": 2, "lemma1_policy": 1},
+}
 
 
 @dataclass(frozen=True)
@@ -25,12 +40,56 @@ class SystemComponent:
     ----------
     fmu : the file
     connectors : kind (input, output, parameter) and type (Real, Integer) by name of the variable
-    parameter_sets : by name; some masters do not read them
+    parameter_sets : values of all parameters by scenario; fmpy does not read them
     """
 
     fmu: Path
     connectors: Mapping[str, tuple[str, str]]
     parameter_sets: Mapping[str, Values] = field(default_factory=dict)
+
+
+def parameters_of(fmu: Path) -> dict[str, float]:
+    """Start values of an FMU's parameters by name; an int for an Integer.
+
+    Parameters
+    ----------
+    fmu : the file
+    """
+    rows = read_model_description(str(fmu), validate=False).modelVariables
+    found = {row.name: (row.type, row.start) for row in rows if row.causality == "parameter"}
+    return {name: int(start) if kind == "Integer" else float(start) for name, (kind, start) in found.items()}
+
+
+def with_values(parameters: Values, values: Values) -> dict[str, float]:
+    """All parameters of an FMU, with other values for those of them that are given one.
+
+    Parameters
+    ----------
+    parameters : from `parameters_of`
+    values : by name; names that are no parameter of this FMU are passed over
+
+    Raises
+    ------
+    ParameterError : where a value is not finite, or an Integer is given a number that is not whole
+    """
+    found: dict[str, float] = {}
+    for name, start in parameters.items():
+        value = values.get(name, start)
+        if not isfinite(value) or (isinstance(start, int) and value != int(value)):
+            kind = "whole" if isinstance(start, int) else "finite"
+            raise ParameterError(f"{name} = {value!r} must be a {kind} number", "give it one")
+        found[name] = int(value) if isinstance(start, int) else float(value)
+    return found
+
+
+def parameter_connectors(parameters: Values) -> dict[str, tuple[str, str]]:
+    """The connectors of a component's parameters.
+
+    Parameters
+    ----------
+    parameters : from `parameters_of`
+    """
+    return {name: ("parameter", "Integer" if isinstance(start, int) else "Real") for name, start in parameters.items()}
 
 
 def xml_file(root: Element) -> bytes:
@@ -60,7 +119,7 @@ def parameter_set(name: str, values: Values) -> Element:
     return root
 
 
-def _write_component(parent: Element, name: str, component: SystemComponent) -> None:
+def _write_component(parent: Element, name: str, component: SystemComponent, scenario: str) -> None:
     source = f"resources/{component.fmu.name}"
     attributes = {"name": name, "type": "application/x-fmu-sharedlibrary", "source": source}
     element = SubElement(parent, "ssd:Component", attributes)
@@ -68,48 +127,77 @@ def _write_component(parent: Element, name: str, component: SystemComponent) -> 
     for variable, (kind, of_type) in component.connectors.items():
         SubElement(SubElement(listed, "ssd:Connector", name=variable, kind=kind), f"ssc:{of_type}")
     if component.parameter_sets:
-        bindings = SubElement(element, "ssd:ParameterBindings")
-        for title, values in component.parameter_sets.items():
-            holder = SubElement(SubElement(bindings, "ssd:ParameterBinding"), "ssd:ParameterValues")
-            holder.append(parameter_set(title, values))
+        binding = SubElement(SubElement(element, "ssd:ParameterBindings"), "ssd:ParameterBinding")
+        holder = SubElement(binding, "ssd:ParameterValues")
+        holder.append(parameter_set(scenario, component.parameter_sets[scenario]))
+
+
+@dataclass(frozen=True)
+class System:
+    """FMUs, what passes between them, and how long and in which steps to run them.
+
+    Attributes
+    ----------
+    name : of the system
+    components : by name
+    connections : from an output to an input each
+    stop_time, step_size : of the default experiment [s]
+    """
+
+    name: str
+    components: Mapping[str, SystemComponent]
+    connections: Sequence[tuple[Connector, Connector]] = ()
+    stop_time: float = STOP_TIME
+    step_size: float = 0.01
+
+
+def system_description(system: System, title: str, scenario: str) -> bytes:
+    """An .ssd file.
+
+    Parameters
+    ----------
+    system : what it describes
+    title : of the variant that it is
+    scenario : whose parameters it binds
+    """
+    names = {"xmlns:ssd": _SSD, "xmlns:ssc": _SSC, "version": "1.0", "name": title}
+    root = Element("ssd:SystemStructureDescription", names)
+    inside = SubElement(root, "ssd:System", name=system.name)
+    elements = SubElement(inside, "ssd:Elements")
+    for name, component in system.components.items():
+        _write_component(elements, name, component, scenario)
+    if system.connections:
+        listed = SubElement(inside, "ssd:Connections")
+        for (one, output), (other, target) in system.connections:
+            ends = {"startElement": one, "startConnector": output, "endElement": other, "endConnector": target}
+            SubElement(listed, "ssd:Connection", ends)
+    annotate_system(inside, system.step_size)
+    experiment = SubElement(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(system.stop_time))
+    annotate_experiment(experiment, system.step_size)
+    return xml_file(root)
 
 
 def write_ssp(
-    path: Path,
-    components: Mapping[str, SystemComponent],
-    connections: Sequence[tuple[Connector, Connector]] = (),
-    more: Mapping[str, bytes] | None = None,
-    stop_time: float = 20.0,
+    path: Path, system: System, default: str, scenarios: Sequence[str] = (), more: Mapping[str, bytes] | None = None
 ) -> Path:
     """Write the archive; the same arguments give the same bytes.
 
     Parameters
     ----------
     path : of the .ssp file
-    components : by name
-    connections : from an output to an input each
+    system : what is in it
+    default : scenario of SystemStructure.ssd
+    scenarios : those with an .ssd of their own, NAME.ssd
     more : further files in resources/, content by name
-    stop_time : of the default experiment [s]
 
     Returns
     -------
     path
     """
-    names = {"xmlns:ssd": _SSD, "xmlns:ssc": _SSC, "version": "1.0", "name": path.stem}
-    root = Element("ssd:SystemStructureDescription", names)
-    system = SubElement(root, "ssd:System", name=path.stem)
-    elements = SubElement(system, "ssd:Elements")
-    for name, component in components.items():
-        _write_component(elements, name, component)
-    if connections:
-        listed = SubElement(system, "ssd:Connections")
-        for (one, output), (other, target) in connections:
-            ends = {"startElement": one, "startConnector": output, "endElement": other, "endConnector": target}
-            SubElement(listed, "ssd:Connection", ends)
-    SubElement(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(stop_time))
-    files = {component.fmu.name: component.fmu.read_bytes() for component in components.values()} | dict(more or {})
-    inside = {f"resources/{name}": content for name, content in files.items()}
-    write_fmu(path, {"SystemStructure.ssd": xml_file(root)} | inside)
+    files = {"SystemStructure.ssd": system_description(system, system.name, default)}
+    files |= {f"{scenario}.ssd": system_description(system, scenario, scenario) for scenario in scenarios}
+    inside = {component.fmu.name: component.fmu.read_bytes() for component in system.components.values()}
+    write_fmu(path, files | {f"resources/{name}": content for name, content in (inside | dict(more or {})).items()})
     return path
 
 
@@ -125,10 +213,25 @@ def loop_connections(vehicles: int) -> list[tuple[Connector, Connector]]:
     return forth + [(("controller", f"a[{i}]"), ("plant", f"a[{i}]")) for i in range(1, vehicles + 1)]
 
 
+def _loop_parameters(fmus: Mapping[str, Path], values: Values) -> dict[str, dict[str, dict[str, float]]]:
+    """Parameters of the loop's components by component and scenario; "given" are the values as they stand."""
+    parameters = {name: parameters_of(fmu) for name, fmu in fmus.items()}
+    own = set().union(*parameters.values())
+    unknown = sorted(set(values) - own)
+    if unknown:
+        raise ParameterError(f"{unknown[0]} is no parameter of {', '.join(fmus)}", "leave it out, or correct its name")
+    scenarios = {"given": values} | {name: {**values, **changed} for name, changed in SCENARIOS.items()}
+    half = 0.5 * with_values(parameters["controller"], values)["T"]
+    return {
+        name: {title: with_values(starts, {"phase": half, **chosen}) for title, chosen in scenarios.items()}
+        for name, starts in parameters.items()
+    }
+
+
 def write_loop(
     path: Path, plant: Path, controller: Path, vehicles: int, values: Mapping[str, float], leader: Path | None = None
 ) -> Path:
-    """A platoon of a plant, a controller and perhaps a leader FMU; run it with a communication step of T/4.
+    """A platoon of a plant, a controller and perhaps a leader FMU, with a communication step of T/4.
 
     Masters that pass values on between steps only hand the command over one step late: the controller samples in the
     middle of the plant's period what held at its beginning, and the plant counts what it gets for the whole period.
@@ -138,25 +241,28 @@ def write_loop(
     path : of the .ssp file
     plant, controller : the FMUs
     vehicles : n
-    values : start values of the closed loop, by the names of `PspPlatoon`; each component takes its own
+    values : parameters by name, start values of the FMUs where there is none; each component takes its own.
+        SystemStructure.ssd binds them as they are, scenario1.ssd and scenario2.ssd with what these scenarios change
     leader : FMU whose speed is the desired speed of all
 
     Returns
     -------
     path
+
+    Raises
+    ------
+    ParameterError : where a name belongs to no component, or a value is none that its parameter can have
     """
-    T = float(values.get("T", 0.01))
-    of_plant = {name: value for name, value in values.items() if name in ("T", "x_start") or "_start[" in name}
-    of_controller = {name: value for name, value in values.items() if name == "T" or name not in of_plant}
-    settings = {"plant": of_plant, "controller": of_controller | {"phase": 0.5 * T}}
     fmus, connections = {"plant": plant, "controller": controller}, loop_connections(vehicles)
     if leader is not None:
         fmus |= {"leader": leader}
         connections.append((("leader", "v"), ("controller", "v_desired")))
-    components = {}
+    components, sets = {}, _loop_parameters(fmus, values)
     for name, fmu in fmus.items():
         inputs = {variable: ("input", "Real") for _, (owner, variable) in connections if owner == name}
         outputs = {variable: ("output", "Real") for (owner, variable), _ in connections if owner == name}
-        sets = {name: settings[name]} if settings.get(name) else {}
-        components[name] = SystemComponent(fmu, inputs | outputs, sets)
-    return write_ssp(path, components, connections)
+        connectors = parameter_connectors(sets[name]["given"]) | inputs | outputs
+        components[name] = SystemComponent(fmu, connectors, sets[name])
+    step_size = 0.25 * sets["controller"]["given"]["T"]
+    system = System(path.stem, components, connections, step_size=step_size)
+    return write_ssp(path, system, "given", tuple(SCENARIOS))

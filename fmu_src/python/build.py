@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import distribution, version
@@ -11,7 +10,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-import psp_model
+from psp_model.installed.files import licence, networks_folder
 from psp_model.selection.network import ParameterNetwork, network_path, open_network
 
 from ..interface.documentation import index_page
@@ -19,6 +18,7 @@ from ..interface.model_description import Component, model_description
 from ..interface.variables import Variable, platoon_table
 from ..pack.archive import content_digest, guid_of, write_fmu
 from ..pack.ecosystem import layered_standard, reference_results
+from .packages import model_sources, renamed, slave_module
 from .table_slave import CONFIG
 
 NAME = "PspPlatoon"
@@ -29,30 +29,13 @@ NEEDS = (
     "Needs from outside: a 64-bit Python 3.11 or later with numpy and onnxruntime (resources/requirements.txt), on "
     "Linux or Windows: a Python host lends its own, other hosts find the python3 that is first on PATH."
 )
-_SLAVE_FILES = {
-    "PspPlatoon": ("__init__.py", "variables.py", "slave_state.py", "table_slave.py", "platoon_slave.py"),
-    "PspController": (
-        "__init__.py",
-        "variables.py",
-        "table_slave.py",
-        "controller_variables.py",
-        "controller_slave.py",
-    ),
-    "PspLeader": ("__init__.py", "variables.py", "table_slave.py", "controller_variables.py", "leader_slave.py"),
-    "PspPlant": ("__init__.py", "variables.py", "table_slave.py", "controller_variables.py", "plant_slave.py"),
-}
 _LAUNCHERS = {"linux64": "psp_launcher.so", "win64": "psp_launcher.dll"}
-_OWN_IMPORT = re.compile(r"^(\s*(?:from|import) )(psp_model|fmu_src)\b", re.MULTILINE)
-
-# pythonfmu runs this script once more for every instance, and each time gives back a reference to the script's globals
-# that it does not own; without one to spare they would be freed under its feet.
 _SCRIPT = '''"""Where pythonfmu finds the slave."""
 
-import ctypes
+from fmu_src_{suffix}.python.surroundings import keep, load
 
-from fmu_src_{suffix}.{module} import {name}
-
-ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
+{name} = load("fmu_src_{suffix}.{module}", "{name}", "{numpy}")
+keep(globals())
 '''
 
 
@@ -87,7 +70,7 @@ def network_for(vehicles: int, path: Path | None = None) -> NetworkFile | None:
     ------
     ModelError : where a file is unreadable or made for another number of vehicles
     """
-    path = path or network_path(vehicles, Path(__file__).parents[1] / "onnx")
+    path = path or network_path(vehicles, networks_folder())
     if path is None:
         return None
     network = open_network(path)
@@ -136,31 +119,9 @@ def notes_on_networks(networks: Mapping[int, NetworkFile]) -> list[str]:
     return [*notes, text] if notes else ["There is no network in this FMU, so parameter_source starts at 2."]
 
 
-def _model_sources(name: str) -> dict[str, bytes]:
-    """The Python files of the model and of the slave of that name, by name."""
-    model, slave = Path(psp_model.__file__).parent, Path(__file__).parent
-    found = {f"psp_model/{path.name}": path.read_bytes() for path in sorted(model.glob("*.py"))}
-    return found | {f"fmu_src/{file}": (slave / file).read_bytes() for file in _SLAVE_FILES[name]}
-
-
-def _renamed(sources: dict[str, bytes], suffix: str) -> dict[str, bytes]:
-    """The same files as packages of their own name.
-
-    Two FMUs in one process share Python's table of modules: were the packages called alike, the second FMU would run
-    the first one's code.
-    """
-    renamed = {}
-    for name, content in sources.items():
-        package, file = name.split("/")
-        text = _OWN_IMPORT.sub(rf"\g<1>\g<2>_{suffix}", content.decode())
-        renamed[f"resources/{package}_{suffix}/{file}"] = text.encode()
-    return renamed
-
-
-def _pythonfmu_files() -> dict[str, bytes]:
-    """pythonfmu's Python files, and its library for each platform that we have a launcher for."""
-    package = files("pythonfmu")
-    found = {f"resources/pythonfmu/{f.name}": f.read_bytes() for f in package.iterdir() if f.name.endswith(".py")}
+def _pythonfmu_libraries() -> dict[str, bytes]:
+    """pythonfmu's library for each platform that we have a launcher for."""
+    package, found = files("pythonfmu"), {}
     for platform in _LAUNCHERS:
         for library in (package / "resources" / "binaries" / platform).iterdir():
             found[f"resources/binaries/{platform}/{library.name}"] = library.read_bytes()
@@ -168,15 +129,18 @@ def _pythonfmu_files() -> dict[str, bytes]:
 
 
 def _licences() -> dict[str, bytes]:
-    own = (Path(__file__).parents[1] / "LICENSE").read_bytes()
     theirs = next(f for f in distribution("pythonfmu").files or [] if f.name == "LICENSE")
     folder = "documentation/licenses"
-    return {f"{folder}/license.txt": own, f"{folder}/pythonfmu.txt": theirs.read_binary()}
+    return {f"{folder}/license.txt": licence(), f"{folder}/pythonfmu.txt": theirs.read_binary()}
 
 
 def _requirements() -> str:
     """What the FMU needs from outside, as pip reads it: the versions it was built with are known to work."""
-    return "".join(f"{name}>={version(name).split('.')[0]}.0\n" for name in ("numpy", "onnxruntime"))
+    return "".join(f"{name}>={_oldest(name)}\n" for name in ("numpy", "onnxruntime"))
+
+
+def _oldest(package: str) -> str:
+    return f"{version(package).split('.')[0]}.0"
 
 
 def build_python_fmu(vehicles: int, output: Path, networks: Mapping[int, NetworkFile]) -> Path:
@@ -240,9 +204,9 @@ def pack_slave(
     )
     packed = dict(more or {}) | _fixed_files(name, networks)
     packed |= {"documentation/index.html": index_page(component, config["vehicles"], table, notes)}
-    sources = _model_sources(name)
+    sources = model_sources(name)
     digest = content_digest(packed | sources | {"table": repr((component, table)).encode()})
-    packed |= _generated_files(component, table, config, digest) | _renamed(sources, digest[:12])
+    packed |= _generated_files(component, table, config, digest) | renamed(sources, digest[:12])
     path = output / f"{name}.fmu"
     write_fmu(path, packed)
     return path
@@ -251,12 +215,12 @@ def pack_slave(
 def _fixed_files(name: str, networks: Sequence[NetworkFile]) -> dict[str, bytes]:
     """Everything that is copied into the FMU as it is."""
     here = Path(__file__).parent
-    found = _pythonfmu_files() | _licences()
+    found = _pythonfmu_libraries() | _licences()
     for platform, library in _LAUNCHERS.items():
         found[f"binaries/{platform}/{name}{Path(library).suffix}"] = (
             here / "launcher" / "binaries" / platform / library
         ).read_bytes()
-    found["model.png"] = (here / "model.png").read_bytes()
+    found["model.png"] = (here.parent / "model.png").read_bytes()
     found["resources/requirements.txt"] = _requirements().encode()
     found["documentation/externalDependencies.txt"] = ("Python >= 3.11\n" + _requirements()).encode()
     return found | {f"resources/{network.name}": network.content for network in networks}
@@ -268,8 +232,8 @@ def _generated_files(
     """Everything that names the content of the FMU."""
     module = f"psp_platoon_{digest[:12]}"
     described = Component(**(vars(component) | {"guid": guid_of(digest)}))
-    slave = _SLAVE_FILES[component.name][-1].removesuffix(".py")
-    script = _SCRIPT.format(suffix=digest[:12], name=component.name, module=slave)
+    slave = slave_module(component.name)
+    script = _SCRIPT.format(suffix=digest[:12], name=component.name, module=slave, numpy=_oldest("numpy"))
     return {
         "modelDescription.xml": model_description(described, table),
         "resources/slavemodule.txt": module.encode(),

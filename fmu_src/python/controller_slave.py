@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from copy import copy
 from dataclasses import asdict
 from pathlib import Path
@@ -12,15 +11,15 @@ import numpy as np
 
 from psp_model.controller import BadMeasurement, Command, ControllerSettings, Measurement, SampledController
 from psp_model.errors import ModelError
-from psp_model.law.potential import PotentialParameters
-from psp_model.sampling.clock import TIME_TOLERANCE, locate
+from psp_model.sampling.clock import Clock
 from psp_model.selection.network import read_networks
 
 from ..interface.controller_variables import controller_table
 from ..interface.variables import Variable
+from .state_check import bound, clock, count, flag, number, potential, record, require, variables, vector
 from .table_slave import LONGEST, TableSlave, logged
 
-_SAVED = ("_values", "_start_time", "_time", "_initialising", "_sampled", "_set_at", "_fresh")
+_SAVED = ("_values", "_clock", "_initialising", "_sampled", "_set_at", "_fresh")
 
 
 class PspController(TableSlave):
@@ -38,7 +37,7 @@ class PspController(TableSlave):
         self._networks = read_networks(Path(self.resources), self._config["networks"])
         self._ahead: Command | None = None  # the decision at the instant that the current point is, if one is known
         self._sampled = 0  # instants that lie in the past
-        self._set_at = 0.0  # [s] when gaps or speeds were last set
+        self._set_at = 0.0  # [sampling periods] since the first sampling instant, when gaps or speeds were last set
         self._fresh = True  # inputs were set at this communication point
 
     def _make_table(self) -> tuple[Variable, ...]:
@@ -47,21 +46,23 @@ class PspController(TableSlave):
     def _changed(self, inputs: bool) -> None:
         super()._changed(inputs)
         self._ahead, self._stale, self._fresh = None, True, True
-        self._set_at = self._time
+        self._set_at = self._here()
 
     # initialisation
 
-    @logged
-    def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
-        super().setup_experiment(start_time, stop_time, tolerance)
-        self._set_at = start_time  # what was set before belongs to the start
-
     def _initialise(self) -> SampledController:
+        settings = self._settings()
+        self._clock = Clock.begin(self._clock.time, self._value("phase"), settings.sampling.T)
+        self._set_at = self._here()  # what was set before belongs to the start
+        return SampledController.begin(settings, self._networks, self._warn)
+
+    def _settings(self) -> ControllerSettings:
+        """What the parameters say, checked."""
         read, sampling = self._value, self._sampling()
         phase = read("phase")
         if not 0 <= phase < sampling.T:
             raise ModelError("phase", phase, sampling.T)
-        settings = ControllerSettings(
+        return ControllerSettings(
             capacity=self.vehicles,
             constants=self._constants(),
             weights=self._weights(),
@@ -73,55 +74,61 @@ class PspController(TableSlave):
             a_safe=read("a_safe"),
             max_age=read("max_age"),
         )
-        return SampledController(settings, self._networks, self._warn)
 
     # time
 
-    def _instant(self) -> float:
-        """Time of the next sampling instant [s]."""
-        return self._start_time + self._value("phase") + self._sampled * self._value("T")
-
-    def _due(self, time: float) -> bool:
-        """Whether the next sampling instant is at this time or before it."""
-        return self._instant() <= time + TIME_TOLERANCE * self._value("T")
+    def _here(self) -> float:
+        """The communication point [sampling periods] since the first sampling instant."""
+        period, fraction = self._clock.at()
+        return period + fraction
 
     def _sample(self, controller: SampledController) -> None:
-        n, time, taken = self.vehicles, self._instant(), self._value("t_measured")
-        desired = self._value("v_desired")
+        """Decide at the next sampling instant from the inputs as they are now."""
+        n, taken, desired, T = self.vehicles, self._value("t_measured"), self._value("v_desired"), self._value("T")
+        time = self._clock.time_of(self._sampled, T)
+        age = (self._sampled - self._set_at) * T if taken < 0 else time - taken
         measured = Measurement(
             s=np.array(self._numbers("s", 2, n)),
             v=np.array(self._numbers("v", 1, n)),
             n_active=self._value("n_active"),
             resolve=self._value("resolve"),
-            age=time - (self._set_at if taken < 0 else taken),
-            v_desired=None if desired < 0 else desired,
+            age=age,
+            age_rounding=self._clock.age_rounding(age, T),
+            v_desired=None if desired <= -1 else desired,
         )
         controller.sample(time, measured)
 
     @logged
     def do_step(self, current_time: float, step_size: float) -> bool:
-        controller, end = self._part, current_time + step_size
-        assert controller is not None  # the launcher lets nobody step before initialisation has ended
+        self._require_here(current_time, step_size)
+        controller = self._part
+        assert controller is not None
         if step_size <= 0.0:
             return True
-        locate(end - self._start_time, self._value("T"))  # refuses more periods than can be counted
-        self._stale = True
-        while not self._starts_later(end):
+        clock = self._clock.after(current_time, step_size, self._value("T"))
+        period, fraction = clock.at()
+        self._stale, passed = True, self._sampled
+        while self._sampled < period + (fraction > 0.0):  # at the end of the step newer inputs may come
             if self._ahead is not None:
                 controller.now, self._ahead = self._ahead, None
             else:
-                self._sample(controller)
+                try:
+                    self._sample(controller)
+                except ModelError as error:
+                    if self._sampled == passed:
+                        raise
+                    # the step ends here, where newer inputs may come, and the command held is shown
+                    T = self._value("T")
+                    size = self._clock.time_of(self._sampled, T) - current_time
+                    self._clock, self._fresh = self._clock.after(current_time, size, T), False
+                    return self._discard(error)
             self._sampled += 1
-        self._time, self._fresh = end, False
+        self._clock, self._fresh = clock, False
         return True
-
-    def _starts_later(self, end: float) -> bool:
-        """Whether the next instant is at the end of the step or behind it, where newer inputs may come."""
-        return self._instant() >= end - TIME_TOLERANCE * self._value("T")
 
     def _decided(self, controller: SampledController) -> Command:
         """The command to show: that of this instant, if it is one and inputs were set here, else the one held."""
-        if not (self._fresh and self._due(self._time)):
+        if not self._fresh or self._sampled > self._clock.at()[0]:
             return controller.now
         if self._ahead is None:
             trial = copy(controller)
@@ -139,30 +146,38 @@ class PspController(TableSlave):
 
     # the whole state
 
-    @logged
-    def _get_fmu_state(self) -> dict[str, Any]:
+    def _state(self) -> dict[str, Any]:
         state = {name: getattr(self, name) for name in _SAVED} | {"_values": tuple(self._values)}
         return state | {"now": self._part and self._part.now, "ahead": self._ahead}
 
-    @logged
-    def _set_fmu_state(self, state: dict[str, Any]) -> None:
+    def _become_state(self, state: dict[str, Any]) -> None:
         for name in _SAVED:
             setattr(self, name, state[name])
         self._values, self._ahead, self._stale = list(state["_values"]), state["ahead"], True
-        self._part = None
+        self._clock, self._part = Clock(*state["_clock"]), None
         if state["now"] is not None:
-            self._part = self._initialise()
-            self._part.now = state["now"]
+            clock, self._part = self._clock, self._initialise()
+            self._clock, self._set_at, self._part.now = clock, state["_set_at"], state["now"]
 
     @staticmethod
-    def _fmu_state_to_bytes(state: dict[str, Any]) -> bytes:
-        commands = {name: state[name] and _pack(state[name]) for name in ("now", "ahead")}
-        return json.dumps(state | commands).encode()
+    def _as_json(state: dict[str, Any]) -> dict[str, Any]:
+        return state | {name: state[name] and _pack(state[name]) for name in ("now", "ahead")}
 
-    @staticmethod
-    def _fmu_state_from_bytes(data: bytes) -> dict[str, Any]:
-        state: dict[str, Any] = json.loads(data)
-        return state | {name: state[name] and _unpack(state[name]) for name in ("now", "ahead")}
+    def _restore(self, data: Any) -> dict[str, Any]:
+        state = record(data, (*_SAVED, "now", "ahead"))
+        values = variables(state["_values"], self._integers)
+        here, set_at, sampled = clock(state["_clock"]), number(state["_set_at"]), count(state["_sampled"])
+        require(set_at <= here.period + here.offset + 1.0)
+        found = {"_clock": here, "_set_at": set_at, "_sampled": sampled, "_values": values}
+        found |= {name: flag(state[name]) for name in ("_initialising", "_fresh")}
+        require(state["now"] is not None or state["ahead"] is None)
+        if state["now"] is None:
+            return found | {"now": None, "ahead": None}
+        with self._with_values(values[: self._first_output]):
+            settings = self._settings()
+        require(abs(sampled - here.period) <= 2)  # or a step would pass others without end
+        ahead = None if state["ahead"] is None else _unpack(state["ahead"], settings)
+        return found | {"now": _unpack(state["now"], settings), "ahead": ahead}
 
 
 def _pack(command: Command) -> dict[str, Any]:
@@ -171,6 +186,20 @@ def _pack(command: Command) -> dict[str, Any]:
     return fields | arrays | {"shape": asdict(command.shape)}
 
 
-def _unpack(packed: dict[str, Any]) -> Command:
-    arrays = {"a": np.array(packed["a"]), "saturated": np.array(packed["saturated"], dtype=bool)}
-    return Command(**(packed | arrays | {"shape": PotentialParameters(**packed["shape"])}))
+def _unpack(data: Any, settings: ControllerSettings) -> Command:
+    packed, N = record(data, Command.__dataclass_fields__), settings.capacity
+    saturated, n_active = packed["saturated"], count(packed["n_active"])
+    require(n_active <= N and isinstance(saturated, list) and len(saturated) == N)
+    return Command(
+        a=vector(packed["a"], N),
+        saturated=np.array([flag(one) for one in saturated], dtype=bool),
+        in_order=flag(packed["in_order"]),
+        T_max=bound(packed["T_max"]),
+        violations=count(packed["violations"]),
+        faults=count(packed["faults"]),
+        choices=count(packed["choices"]),
+        n_active=n_active,
+        in_domain=flag(packed["in_domain"]),
+        resolve=number(packed["resolve"]),
+        shape=potential(packed["shape"], settings.constants, settings.request.old),
+    )

@@ -9,13 +9,16 @@ from pathlib import Path
 from typing import Any
 
 from psp_model.errors import ModelError
+from psp_model.sampling.clock import Clock
 from psp_model.vehicles.leader import Profile, Wave, read_profile
 
 from ..interface.controller_variables import leader_table
 from ..interface.variables import Variable
+from .state_check import flag, record, restored_basics
 from .table_slave import TableSlave, logged
 
-_SAVED = ("_values", "_start_time", "_time", "_initialising")
+_SAVED = ("_values", "_clock", "_initialising")
+_SECOND = 1.0  # [s] the period of its clock: it samples nothing, but meets whole seconds as others meet instants
 
 
 class PspLeader(TableSlave):
@@ -40,21 +43,32 @@ class PspLeader(TableSlave):
         return lambda time: profile.speed(time - begin)
 
     def _outputs(self, speed: Callable[[float], float]) -> list[float]:
-        return [speed(self._time - self._start_time)]
+        return [speed((self._clock.period + self._clock.offset) * _SECOND)]
 
     @logged
     def do_step(self, current_time: float, step_size: float) -> bool:
-        self._time, self._stale = current_time + step_size, True
+        self._require_here(current_time, step_size)
+        self._clock, self._stale = self._clock.after(current_time, step_size, _SECOND), True
         return True
 
-    @logged
-    def _get_fmu_state(self) -> dict[str, Any]:
+    def _state(self) -> dict[str, Any]:
         state = {name: getattr(self, name) for name in _SAVED} | {"_values": tuple(self._values)}
         return state | {"ready": self._part is not None}
 
-    @logged
-    def _set_fmu_state(self, state: dict[str, Any]) -> None:
+    def _become_state(self, state: dict[str, Any]) -> None:
         for name in _SAVED:
             setattr(self, name, state[name])
-        self._values, self._stale = list(state["_values"]), True
+        self._values, self._clock, self._stale = list(state["_values"]), Clock(*state["_clock"]), True
         self._part = self._initialise() if state["ready"] else None
+
+    @staticmethod
+    def _as_json(state: dict[str, Any]) -> dict[str, Any]:
+        return state
+
+    def _restore(self, data: Any) -> dict[str, Any]:
+        state = record(data, (*_SAVED, "ready"))
+        found = restored_basics(state, self._integers) | {"ready": flag(state["ready"])}
+        if found["ready"]:
+            with self._with_values(found["_values"]):
+                self._initialise()  # raises where the parameters cannot have been taken
+        return found

@@ -6,9 +6,10 @@ around this slave, returns that status from the FMI call.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import replace
+from math import inf, nextafter
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from psp_model.law.potential import PotentialParameters
 from psp_model.membership import OpenPlatoon, Refusal
 from psp_model.parameters import PlatoonParameters
 from psp_model.platoon import SampledPlatoon
-from psp_model.sampling.clock import locate
+from psp_model.sampling.clock import Clock
 from psp_model.sampling.policy import Sampling
 from psp_model.selection.feasible import require_feasible
 from psp_model.selection.network import read_networks
@@ -29,7 +30,7 @@ from psp_model.state import StartDomain
 
 from ..interface.meaning import constants_of, start_of, weights_of
 from ..interface.variables import Variable, platoon_table
-from .slave_state import Members, SlaveState, from_bytes, to_bytes
+from .slave_state import Description, Members, SlaveState, from_json, to_json
 from .table_slave import LONGEST, TableSlave, logged
 
 Vector = NDArray[np.float64]
@@ -63,8 +64,8 @@ class PspPlatoon(TableSlave):
 
     # initialisation
 
-    def _initialise(self) -> SampledPlatoon:
-        """The platoon that the parameters describe, at its first sampling instant."""
+    def _describe(self) -> Description:
+        """What the parameters say, checked."""
         n, sampling = self._chosen("n_start"), self._sampling()
         start = start_of(self._value, n, constants_of(self._value))
         request = self._request()
@@ -72,10 +73,17 @@ class PspPlatoon(TableSlave):
             if not self._networks:
                 raise ModelError("no_network", n)
             require_feasible(request.fixed, start.constants)  # or a later change could find no potential at all
-        selection = self._selector(sampling).select(start.s, start.v, start.constants)
+        return Description(start, weights_of(self._value), sampling, request.old)
+
+    def _initialise(self) -> SampledPlatoon:
+        """The platoon that the parameters describe, at its first sampling instant."""
+        described = self._describe()
+        start, n = described.start, described.start.v.size
+        selection = self._selector(described.sampling).select(start.s, start.v, start.constants)
         if selection.warning:
             self._warn(selection.warning)
-        platoon = SampledPlatoon.begin(start, selection.potential, weights_of(self._value), sampling, self._warn)
+        shape, sampling = selection.potential, described.sampling
+        platoon = SampledPlatoon.begin(start, shape, described.weights, sampling, self._warn)
         self._in_domain = self._lies_in_domain(platoon)
         self._become(Members(tuple(range(1, n + 1)), n))
         return platoon
@@ -97,7 +105,7 @@ class PspPlatoon(TableSlave):
         insert, remove = values[self._insert], values[self._remove]
         if insert == before.insert and remove == before.remove:
             return
-        at = locate(self._time - self._start_time, self._value("T"))
+        at = self._clock.at()
         if remove > 0.5 and not before.remove > 0.5:
             self._make(lambda road: road.remove(self._value("remove_place"), *at))
         if insert > 0.5 and not before.insert > 0.5:
@@ -134,22 +142,28 @@ class PspPlatoon(TableSlave):
 
     @logged
     def do_step(self, current_time: float, step_size: float) -> bool:
+        self._require_here(current_time, step_size)
         if step_size > 0.0:
             self._make_changes()
         platoon = self._part
-        assert platoon is not None  # the launcher lets nobody step before initialisation has ended
-        time = current_time + step_size
+        assert platoon is not None
+        before = self._clock
         self._stale = True
-        self._time = time
         try:
-            platoon.advance_to(*locate(time - self._start_time, platoon.sampling.T))
-        except ModelError:  # the outputs then show the instant that was refused
-            self._time = self._start_time + (platoon.now.period + platoon.now.fraction) * platoon.sampling.T
+            self._clock = before.after(current_time, step_size, platoon.sampling.T)
+            platoon.advance_to(*self._clock.at())
+        except ModelError as error:
+            if platoon.partway is not None:  # the outputs then show the last instant that was in order
+                platoon.now = platoon.partway
+                self._clock = _gone_back(platoon, before, current_time)
+                return self._discard(error)
+            # the outputs then show the instant that was refused
+            self._clock = self._clock._replace(period=platoon.now.period, offset=platoon.now.fraction)
             raise
         return True
 
     def _outputs(self, platoon: SampledPlatoon) -> list[float]:
-        seen = platoon.observe(*locate(self._time - self._start_time, platoon.sampling.T))
+        seen = platoon.observe(*self._clock.at())
         parts = [part.tolist() for part in (seen.x, seen.v, seen.a, seen.s)]
         if missing := [0.0] * (self.vehicles - seen.v.size):
             parts = [part + missing for part in parts]
@@ -167,27 +181,45 @@ class PspPlatoon(TableSlave):
 
     # the whole state
 
-    @logged
-    def _get_fmu_state(self) -> Any:
+    def _state(self) -> Any:
         return SlaveState(
             values=tuple(self._values[: self._first_output]),
-            start_time=self._start_time,
-            time=self._time,
+            clock=self._clock,
             in_domain=self._in_domain,
             initialising=self._initialising,
             members=self._members,
             platoon=copy(self._part),
         )
 
-    @logged
-    def _set_fmu_state(self, state: Any) -> None:
+    def _become_state(self, state: Any) -> None:
         self._values[: self._first_output] = state.values
-        self._start_time, self._time, self._in_domain = state.start_time, state.time, state.in_domain
+        self._clock, self._in_domain = state.clock, state.in_domain
         self._initialising, self._stale = state.initialising, True
         self._become(state.members)
         self._part = copy(state.platoon)
         if self._part is not None:
             self._part.warn = self._warn
 
-    _fmu_state_to_bytes: Any = staticmethod(to_bytes)
-    _fmu_state_from_bytes: Any = staticmethod(from_bytes)
+    _as_json: Any = staticmethod(to_json)
+
+    def _restore(self, data: Any) -> SlaveState:
+        def describe(values: Sequence[float]) -> Description:
+            with self._with_values(values):
+                return self._describe()
+
+        return from_json(data, self._integers[: self._first_output], self.vehicles, describe)
+
+
+def _gone_back(platoon: SampledPlatoon, before: Clock, begin: float) -> Clock:
+    """The clock at the last instant, at a time to which a step from `begin` passes that instant in spite of rounding.
+
+    An instant just behind a nominal one, as policy 3 has them, may have no time of its own.
+    """
+    now, T, (period, fraction) = platoon.now, platoon.sampling.T, before.at()
+    time = before.time + (now.period - period + (now.fraction - fraction)) * T
+    for _ in range(5):
+        clock = before.after(begin, time - begin, T)
+        if clock.at() >= (now.period, now.fraction):
+            break
+        time = nextafter(time, inf)
+    return clock

@@ -1,22 +1,23 @@
-"""The whole state of a slave, in memory and as bytes."""
+"""The whole state of a platoon's slave, in memory and as bytes."""
 
 from __future__ import annotations
 
-import json
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
-from psp_model.law.controller import PaperLaw
 from psp_model.law.potential import PotentialParameters
-from psp_model.parameters import ObjectiveWeights, PlatoonParameters
-from psp_model.platoon import SampledPlatoon
+from psp_model.parameters import ObjectiveWeights
+from psp_model.platoon import SampledPlatoon, loop_of
+from psp_model.sampling.clock import TIME_TOLERANCE, Clock
 from psp_model.sampling.hold import Motion
-from psp_model.sampling.loop import Instant, Loop
-from psp_model.sampling.policy import Lemma1Policy, Sampling
+from psp_model.sampling.loop import Instant
+from psp_model.sampling.policy import Sampling
+from psp_model.state import PlatoonState
 
-_PLAIN = ("period", "fraction", "a", "T_max", "span", "violations", "cost")  # fields of an Instant that JSON can hold
+from .state_check import bound, clock, count, flag, fresh, number, potential, record, require, variables, vector
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ class SlaveState:
     Attributes
     ----------
     values : the parameters and inputs, in the order of the table
-    start_time, time : start and last communication point [s]
+    clock : where the last communication point is
     in_domain : 1.0 if the vehicles were in the network's domain when the potential was chosen
     initialising : whether in initialisation mode
     members : which vehicles there are
@@ -69,61 +70,130 @@ class SlaveState:
     """
 
     values: tuple[float, ...]
-    start_time: float
-    time: float
+    clock: Clock
     in_domain: float
     initialising: bool
     members: Members
     platoon: SampledPlatoon | None
 
 
-def to_bytes(state: SlaveState) -> bytes:
+_INSTANT = ("period", "fraction", "x", "s", "v", "a", "T_max", "span", "violations", "cost")
+_PLAIN = ("values", "clock", "in_domain", "initialising")
+
+
+def to_json(state: SlaveState) -> dict[str, Any]:
     """The state as JSON, in which every number reads back exactly; the launcher adds a checksum and the FMU's identity.
+
+    What the parameters say of the platoon is left out: they are fixed, and say it again.
 
     Parameters
     ----------
     state : the state
     """
-    fields = {name: getattr(state, name) for name in ("values", "start_time", "time", "in_domain", "initialising")}
+    fields = {name: getattr(state, name) for name in _PLAIN}
     parts = {"members": asdict(state.members), "platoon": state.platoon and _pack(state.platoon)}
-    return json.dumps(fields | parts).encode()
+    return fields | parts
 
 
-def from_bytes(data: bytes) -> SlaveState:
-    """The state that `to_bytes` wrote; the launcher has checked that these are its bytes.
+@dataclass(frozen=True)
+class Description:
+    """What the parameters say of a platoon.
+
+    Attributes
+    ----------
+    start, weights, sampling : as `SampledPlatoon` has them
+    old : whether its potential is V_old
+    """
+
+    start: PlatoonState
+    weights: ObjectiveWeights
+    sampling: Sampling
+    old: bool
+
+
+def from_json(
+    data: Any, integers: Sequence[bool], capacity: int, describe: Callable[[tuple[float, ...]], Description]
+) -> SlaveState:
+    """The state that `to_json` wrote, every field of it checked.
 
     Parameters
     ----------
-    data : as written
+    data : read from JSON
+    integers : for each parameter and input, whether it is an Integer
+    capacity : most vehicles N
+    describe : what values of parameters and inputs say
+
+    Raises
+    ------
+    ValueError : where no run can come to such a state
     """
-    fields = json.loads(data)
-    members, platoon, values = fields.pop("members"), fields.pop("platoon"), tuple(fields.pop("values"))
-    members["vehicles"] = tuple(members["vehicles"])
-    return SlaveState(**fields, values=values, members=Members(**members), platoon=platoon and _unpack(platoon))
+    fields = record(data, (*_PLAIN, "members", "platoon"))
+    values, here = variables(fields["values"], integers), clock(fields["clock"])
+    in_domain, packed = number(fields["in_domain"]), fields["platoon"]
+    require(in_domain in (0.0, 1.0))
+    platoon, vehicles = None, 0
+    if packed is None:
+        fresh(here)
+    else:
+        platoon = _unpack(packed, capacity, describe(values))
+        vehicles = platoon.now.v.size
+        _require_here(platoon, here)
+    members = _members(fields["members"], vehicles)
+    return SlaveState(values, here, in_domain, flag(fields["initialising"]), members, platoon)
+
+
+def _members(data: Any, vehicles: int) -> Members:
+    fields = record(data, Members.__dataclass_fields__)
+    numbers, joined = fields["vehicles"], count(fields["joined"], vehicles)
+    require(isinstance(numbers, list) and (vehicles == 0 or len(numbers) == vehicles))
+    require(all(count(one, 1) <= joined for one in numbers) and fields["change_ok"] in (0.0, 1.0))
+    insert, remove = variables([fields["insert"], fields["remove"]], (False, False))
+    return Members(
+        vehicles=tuple(numbers),
+        joined=joined,
+        change_ok=number(fields["change_ok"]),
+        gap_offered=number(fields["gap_offered"]),
+        changes=count(fields["changes"]),
+        refusals=count(fields["refusals"]),
+        insert=insert,
+        remove=remove,
+    )
 
 
 def _pack(platoon: SampledPlatoon) -> dict[str, Any]:
     now, shape = platoon.now, platoon.shape
     assert isinstance(shape, PotentialParameters)
-    return {
-        "constants": asdict(platoon.constants),
-        "shape": asdict(shape),
-        "weights": asdict(platoon.weights),
-        "sampling": asdict(platoon.sampling),
-        "vehicles": {"x": now.x, "s": now.s.tolist(), "v": now.v.tolist()},
-        "now": {
-            name: value.tolist() if isinstance(value := getattr(now, name), np.ndarray) else value for name in _PLAIN
-        },
+    instant = {
+        name: value.tolist() if isinstance(value := getattr(now, name), np.ndarray) else value for name in _INSTANT
     }
+    return {"shape": asdict(shape), "now": instant}
 
 
-def _unpack(packed: dict[str, Any]) -> SampledPlatoon:
-    sampling = Sampling(**(packed["sampling"] | {"policy": Lemma1Policy(packed["sampling"]["policy"])}))
-    vehicles = packed["vehicles"]
-    motion = Motion(vehicles["x"], np.array(vehicles["s"]), np.array(vehicles["v"]))
-    now: dict[str, Any] = {
-        name: np.array(value) if isinstance(value, list) else value for name, value in packed["now"].items()
-    }
-    law = PaperLaw(PotentialParameters(**packed["shape"]), PlatoonParameters(**packed["constants"]))
-    loop = Loop(law, ObjectiveWeights(**packed["weights"]), sampling.T, sampling.policy == Lemma1Policy.SHORTEN)
-    return SampledPlatoon(loop, sampling, Instant(vehicles=motion, **now))
+def _unpack(data: Any, capacity: int, described: Description) -> SampledPlatoon:
+    packed = record(data, ("shape", "now"))
+    now = record(packed["now"], _INSTANT)
+    require(isinstance(now["v"], list) and 1 <= len(now["v"]) <= capacity)
+    n, cost = len(now["v"]), now["cost"]
+    require(isinstance(cost, list) and len(cost) == 2 and bound(cost[0]) >= 0.0 and not np.isnan(bound(cost[1])))
+    fraction, span = number(now["fraction"], 0.0), number(now["span"])
+    require(fraction < 1.0 and 0.0 < span <= 1.0)
+    instant = Instant(
+        period=count(now["period"]),
+        fraction=fraction,
+        vehicles=Motion(number(now["x"]), vector(now["s"], n - 1), vector(now["v"], n)),
+        a=vector(now["a"], n),
+        T_max=bound(now["T_max"]),
+        span=span,
+        violations=count(now["violations"]),
+        cost=np.array(cost, dtype=float),
+    )
+    shape = potential(packed["shape"], described.start.constants, described.old)
+    loop = loop_of(shape, described.start.constants, described.weights, described.sampling)
+    return SampledPlatoon(loop, described.sampling, instant)
+
+
+def _require_here(platoon: SampledPlatoon, here: Clock) -> None:
+    """A time between the last instant and the next, to a period: others would pass without end."""
+    period, fraction = here.at()
+    since = period - platoon.now.period + fraction - platoon.now.fraction
+    require(-1.0 <= since <= 1.0 + TIME_TOLERANCE)

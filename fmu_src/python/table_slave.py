@@ -7,7 +7,10 @@ around a slave, returns that status from the FMI call.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
 from typing import Any, TypeVar
@@ -16,14 +19,18 @@ from weakref import ref
 from pythonfmu.enums import Fmi2Status
 from pythonfmu.fmi2slave import Fmi2Slave
 
-from psp_model.errors import ModelError
+from psp_model.errors import PspError
+from psp_model.sampling.clock import Clock
 from psp_model.sampling.policy import Sampling
 from psp_model.selection.selectors import Request
 
+from ..errors import FmiError
 from ..interface.meaning import choice_of, request_of, sampling_of
 from ..interface.variables import Variable
+from .surroundings import Unsuitable, one_line
 
 CONFIG = "platoon.json"  # what build_fmu.py decided: how many vehicles, which networks
+TIME_REFERENCE = 2**31 - 1  # under which the launcher asks how far a step came; it keeps hosts from it
 LONGEST = 1e9  # [s] T_max of a lone vehicle at rest with v_star is infinite, which importers do not like
 
 Result = TypeVar("Result")
@@ -36,13 +43,41 @@ def logged(call: Callable[..., Result]) -> Callable[..., Result | bool | list[fl
     def guarded(self: TableSlave, *args: Any) -> Any:
         try:
             return call(self, *args)
-        except ModelError as error:
-            self.log(str(error), Fmi2Status.error)
         except Exception as error:  # a defect of ours must not crash the host
-            self.log(str(ModelError("internal", call.__name__, repr(error))), Fmi2Status.error)
+            self.log(str(_explained(call.__name__, error)), Fmi2Status.error)
+        except BaseException as error:  # the host's, which the launcher raises there; most wait until the call is over
+            self.log(str(FmiError("interrupted", call.__name__, type(error).__name__)), Fmi2Status.error)
+            sys._psp_interruption = error  # type: ignore[attr-defined]
         return [0.0] * len(args[0]) if call.__name__.startswith("get_") else False
 
     return guarded
+
+
+def _explained(call: str, error: Exception) -> PspError:
+    """What a call has raised, as a sentence that says whose fault it is."""
+    if isinstance(error, PspError):
+        return error
+    if isinstance(error, MemoryError):
+        return FmiError("memory", call)
+    if isinstance(error, ImportError):
+        return FmiError("import", sys.executable, call, one_line(error))
+    if isinstance(error, OSError):
+        return FmiError("refused", call, one_line(error))
+    return FmiError("internal", call, repr(error))
+
+
+@dataclass
+class StateOfBytes:
+    """A saved state that has come as bytes.
+
+    Attributes
+    ----------
+    data : the bytes
+    state : what they hold, None before they were checked
+    """
+
+    data: bytes
+    state: Any = None
 
 
 class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
@@ -55,15 +90,19 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         resources = Path(self.resources)
-        self._config: dict[str, Any] = json.loads((resources / CONFIG).read_text(encoding="utf-8"))
+        try:
+            self._config: dict[str, Any] = json.loads((resources / CONFIG).read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise Unsuitable(
+                f"{resources / CONFIG} cannot be read ({one_line(error)}): extract the whole FMU"
+            ) from error
         self.vehicles: int = self._config["vehicles"]
         self._table = self._make_table()
         self._rows = {variable.name: variable for variable in self._table}
         self._place = {variable.name: place for place, variable in enumerate(self._table)}
         self._values: list[float] = [0.0 if row.start is None else row.start for row in self._table]
         self._first_output = next(place for place, row in enumerate(self._table) if row.start is None)
-        self._start_time = 0.0
-        self._time = 0.0  # [s] last communication point
+        self._clock = Clock()  # before initialisation it stands at the start
         self._initialising = False
         self._part: Any = None  # what the parameters describe, made when initialisation ends or outputs are read
         self._stale = True  # the outputs in _values lag behind
@@ -109,7 +148,7 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
 
     def _require_variable(self, reference: int, integer: bool) -> None:
         if not (0 <= reference < len(self._table) and self._table[reference].integer is integer):
-            raise ModelError("reference", reference, "Integer" if integer else "Real")
+            raise FmiError("reference", reference, "Integer" if integer else "Real")
 
     def _set(self, references: list[int], values: list[float], integer: bool) -> None:
         inputs = True
@@ -120,15 +159,17 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
                 continue
             inputs = False
             if reference >= self._first_output:
-                raise ModelError("output", row.name)
+                raise FmiError("output", row.name)
             if self._part is not None and not self._initialising:
-                raise ModelError("fixed", row.name)
+                raise FmiError("fixed", row.name)
         for reference, value in zip(references, values, strict=True):
             self._values[reference] = value
         self._changed(inputs)
 
     @logged
     def get_real(self, vrs: list[int]) -> list[float]:
+        if vrs == [TIME_REFERENCE]:
+            return [self._clock.time]
         return self._get(vrs, integer=False)
 
     @logged
@@ -145,7 +186,7 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
 
     @logged
     def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
-        self._start_time = self._time = start_time
+        self._clock = Clock.begin(start_time)
 
     @logged
     def enter_initialization_mode(self) -> None:
@@ -156,6 +197,80 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         if self._part is None:
             self._part = self._initialise()
         self._initialising, self._stale = False, True
+
+    # time
+
+    def _require_here(self, time: float, step_size: float) -> None:
+        """The launcher's time [s] is ours: only a forged state can tear them apart, or have no part to step."""
+        near = abs(time - self._clock.time) <= 1e-3 + 1e-5 * step_size + 1e-9 * abs(time)
+        if self._part is None or not near:
+            raise FmiError("state")
+
+    def _discard(self, error: PspError) -> bool:
+        """Say that a step ended early, at a time at which it could have ended well; what a slave returns then."""
+        self.log(str(error), Fmi2Status.discard)
+        return False
+
+    # the whole state
+
+    def _state(self) -> Any:
+        """Everything that the slave's future depends on."""
+        raise NotImplementedError
+
+    def _become_state(self, state: Any) -> None:
+        """Go on from there."""
+        raise NotImplementedError
+
+    @staticmethod
+    def _as_json(state: Any) -> Any:
+        """The state as JSON, in which every number reads back exactly."""
+        raise NotImplementedError
+
+    def _restore(self, data: Any) -> Any:
+        """The state that JSON holds, every field checked; ValueError where no run can come to it."""
+        raise NotImplementedError
+
+    @logged
+    def _get_fmu_state(self) -> Any:
+        return self._state()
+
+    @logged
+    def _set_fmu_state(self, state: Any) -> None:
+        """Go on from a state; one that has come as bytes is only checked when it is set for the first time.
+
+        pythonfmu reads bytes without an instance, so nothing could be said then: the launcher sets the state at once.
+        """
+        if isinstance(state, StateOfBytes):
+            if state.state is None:
+                try:
+                    state.state = self._restore(json.loads(state.data))
+                except Exception:  # whatever forged bytes lead to
+                    raise FmiError("state") from None
+                return
+            state = state.state
+        self._become_state(state)
+
+    @classmethod
+    def _fmu_state_to_bytes(cls, state: Any) -> bytes:
+        return state.data if isinstance(state, StateOfBytes) else json.dumps(cls._as_json(state)).encode()
+
+    @staticmethod
+    def _fmu_state_from_bytes(data: bytes) -> StateOfBytes:
+        return StateOfBytes(data)
+
+    @property
+    def _integers(self) -> list[bool]:
+        """For each variable, whether it is an Integer."""
+        return [row.integer for row in self._table]
+
+    @contextmanager
+    def _with_values(self, values: Sequence[float]) -> Iterator[None]:
+        """While it lasts, parameters and inputs have other values."""
+        before, self._values = self._values, [*values, *self._values[len(values) :]]
+        try:
+            yield
+        finally:
+            self._values = before
 
     # what the parameters say
 

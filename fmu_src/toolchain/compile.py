@@ -12,15 +12,21 @@ from tempfile import TemporaryDirectory
 
 import fmpy
 
+from ..errors import BuildError
+
 FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"
 SOURCES = Path(__file__).parents[1] / "c"  # what both FMUs share
 FRONT = (
     "front.h",
     "backend.h",
+    "busy.h",
+    "names.h",
+    "fmi2Functions.h",
     "fmi2_front.c",
     "front_check.c",
     "front_log.c",
     "front_state.c",
+    "front_text.c",
     "resource_path.c",
 )
 ENDINGS = {"linux64": "so", "win64": "dll", "darwin64": "dylib"}
@@ -40,14 +46,28 @@ def host_platform() -> str:
 
     Raises
     ------
-    RuntimeError : on machines that none of the platforms runs on
+    BuildError : on machines that none of the platforms runs on
     """
     name = {"Linux": "linux64", "Windows": "win64", "Darwin": "darwin64"}.get(system())
     if name is None or (name != "darwin64" and machine() not in ("x86_64", "AMD64")):
-        raise RuntimeError(
-            f"there is no native FMU for {system()} on {machine()}: build with --platforms all elsewhere"
-        )
+        raise BuildError(f"there is no native FMU for {system()} on {machine()}: build with --platforms all elsewhere")
     return name
+
+
+def fmi_headers() -> dict[str, bytes]:
+    """FMI's headers of types, content by name; `fmi2Functions.h` is our own, which knows FMI2_FUNCTION_PREFIX."""
+    return {name: (FMI_HEADERS / name).read_bytes() for name in ("fmi2FunctionTypes.h", "fmi2TypesPlatform.h")}
+
+
+def prefix_header(name: str) -> str:
+    """psp_prefix.h: what stands in front of every name that a linker sees, FMI's functions aside.
+
+    Parameters
+    ----------
+    name : of the library
+    """
+    lines = ["#ifndef PSP_PREFIX_H", "#define PSP_PREFIX_H", "", f"#define PSP_PREFIX {name}_", "", "#endif", ""]
+    return "/* Written by fmu_src/toolchain/compile.py. */\n" + "\n".join(lines)
 
 
 def universal_binary(parts: Sequence[bytes]) -> bytes:
@@ -77,7 +97,7 @@ def _compile_one(target: str, folder: Path, sources: Sequence[str], name: str, e
     command += ["-o", str(library.relative_to(folder)), *sources]
     command += ["-flto", "-lm", "-ldl", "-Wl,--as-needed"] if ending == "so" else []
     if subprocess.run(command, cwd=folder, check=False).returncode:
-        raise RuntimeError(f"the C compiler failed for {target}, its messages are above: mend what they name")
+        raise BuildError(f"the C compiler failed for {target}, its messages are above: mend what they name")
     return library.read_bytes()
 
 
@@ -98,9 +118,7 @@ def compile_library(platform: str, name: str, files: Mapping[str, bytes], extra:
     sources = sorted(file for file in files if file.endswith(".c"))
     with TemporaryDirectory(prefix="psp_native_") as temporary:
         folder = Path(temporary)
-        for header in FMI_HEADERS.glob("fmi2*.h"):
-            (folder / header.name).write_bytes(header.read_bytes())
-        for file, content in files.items():
+        for file, content in (fmi_headers() | dict(files)).items():
             (folder / file).write_bytes(content)
         parts = [_compile_one(target, folder, sources, name, extra) for target in _TARGETS[platform]]
     return parts[0] if len(parts) == 1 else universal_binary(parts)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from psp_model.law.potential import PotentialParameters
 from psp_model.objective import HORIZON
@@ -28,12 +31,14 @@ class Setup:
     request : where alpha, r, p come from
     weights : of the objective
     sampling : period and policy
+    no_network : the fixed triple is used because there is no network for this number of vehicles, not by request
     """
 
     start: PlatoonState
     request: Request
     weights: ObjectiveWeights
     sampling: Sampling
+    no_network: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,9 +85,12 @@ def run_case(name: str, setup: Setup, network: ParameterNetwork | None, duration
     start, request = setup.start, setup.request
     selection = select_for(start, request, network, setup.weights, setup.sampling)
     shape, fell_back = selection.potential, selection.warning is not None
+    origin = origin_of(request, network, fell_back)
+    if setup.no_network and not request.old:
+        origin = f"the fixed triple, because there is no network for {start.v.size} vehicles"
     run = simulate(start, shape, weights=setup.weights, sampling=setup.sampling, duration=duration)
     warnings = (selection.warning,) if selection.warning else ()
-    return Case(name, setup, shape, origin_of(request, network, fell_back), run, warnings)
+    return Case(name, setup, shape, origin, run, warnings)
 
 
 def origin_of(request: Request, network: ParameterNetwork | None, fell_back: bool) -> str:
@@ -97,13 +105,48 @@ def origin_of(request: Request, network: ParameterNetwork | None, fell_back: boo
     if request.old:
         return "V_old: no hill"
     if request.source is ParameterSource.FIXED:
-        return "fixed by the user"
+        return "alpha_fixed, r_fixed, p_fixed"
     if fell_back:
         return "fixed: the fallback, because the network cannot be used here"
     assert network is not None  # select_for has raised otherwise
     if request.source is ParameterSource.NETWORK:
         return f"network {network.path.name}, from the initial state"
     return f"network {network.path.name}, best of {request.rollouts} rollouts from the initial state"
+
+
+def without_repetitions(cases: Sequence[Case]) -> tuple[list[Case], dict[str, str]]:
+    """The cases that differ, and of each other one why it repeats an earlier one.
+
+    Parameters
+    ----------
+    cases : in the order of the table
+
+    Returns
+    -------
+    the cases to show, and by the name of each other one the reason
+    """
+    shown: list[Case] = []
+    repeated: dict[str, str] = {}
+    for case in cases:
+        first = next((one for one in shown if _same(one, case)), None)
+        if first is None:
+            shown.append(case)
+            continue
+        why = case.warnings[0] if case.warnings else f"alpha, r, p are the same ({case.origin})"
+        repeated[case.name] = f"it would repeat {first.name}: {why}"
+    return shown, repeated
+
+
+def _same(one: Case, other: Case) -> bool:
+    """Whether two cases are the same run: equal starts under equal potentials give equal runs."""
+    run, another = one.run, other.run
+    return (
+        one.shape == other.shape
+        and one.setup.request.old == other.setup.request.old
+        and one.setup.weights == other.setup.weights
+        and one.setup.start.constants == other.setup.start.constants
+        and all(np.array_equal(getattr(run, name), getattr(another, name)) for name in ("time", "x", "v", "a", "T_max"))
+    )
 
 
 def comparison(setup: Setup, network: ParameterNetwork | None) -> dict[str, Setup]:
@@ -119,7 +162,7 @@ def comparison(setup: Setup, network: ParameterNetwork | None) -> dict[str, Setu
     if network is not None:
         requests["V_new, network"] = replace(fixed, source=ParameterSource.NETWORK)
         requests["V_new, network and rollout"] = replace(fixed, source=ParameterSource.ROLLOUT)
-    return {name: replace(setup, request=request) for name, request in requests.items()}
+    return {name: replace(setup, request=request, no_network=False) for name, request in requests.items()}
 
 
 def figures(case: Case) -> list[Figure]:

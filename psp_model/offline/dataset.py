@@ -43,7 +43,7 @@ def make_dataset(
     ------
     OfflineError : where files are in the way, belong to another plan, or cannot be written
     """
-    parts = path.with_name(path.name + ".parts")
+    parts = parts_of(path)
     try:
         _prepare(parts, path, plan, resume)
         missing = [number for number in range(plan.chunks) if not _part(parts, number).exists()]
@@ -56,14 +56,36 @@ def make_dataset(
         shutil.rmtree(parts)
     except OSError as error:
         remedy = "make room there and run the same command with --resume"
-        raise OfflineError(f"{path} could not be written ({error.strerror or error}): {remedy}") from None
+        raise OfflineError(f"{path} could not be written ({error.strerror or error})", remedy) from None
+    finally:
+        if parts.is_dir() and not _solved(parts):
+            shutil.rmtree(parts, ignore_errors=True)
+
+
+def _solved(parts: Path) -> bool:
+    """Whether a run left a chunk there to go on from."""
+    return any(parts.glob("[0-9]*.npz"))
+
+
+def parts_of(path: Path) -> Path:
+    """The folder with what is solved already of a data set that is not complete.
+
+    Parameters
+    ----------
+    path : the Parquet file
+    """
+    return path.with_name(path.name + ".parts")
 
 
 def _prepare(parts: Path, path: Path, plan: Plan, resume: bool) -> None:
     """Make the folder of the parts, or check that it belongs to this plan."""
-    if path.exists() and not parts.exists():
+    if path.exists() and not (parts.exists() if resume else _solved(parts)):
         raise OfflineError(f"{path} exists already: remove it or give --output another name")
     note = parts / "plan.json"
+    if parts.exists() and not parts.is_dir():
+        raise OfflineError(f"{parts} is no folder: remove it or give --output another name")
+    if not _solved(parts):
+        note.unlink(missing_ok=True)  # so that a run that solved nothing stands in nobody's way
     if note.exists() and not resume:
         raise OfflineError(f"{parts} holds an unfinished run: go on with --resume, or remove that folder")
     if note.exists() and note.read_bytes() != plan.as_json().encode():

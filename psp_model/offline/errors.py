@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from ..errors import PspError
 
-class OfflineError(ValueError):
+
+class OfflineError(PspError, ValueError):
     """One sentence: what was found, what was expected, remedy."""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..selection.network import GAPS, INPUT, PARAMETERS, SCORES, SPEEDS
+from ..selection.network import GAPS, INPUT, PARAMETERS, SCORES, SPEEDS, import_onnxruntime
 from .errors import OfflineError
 from .mixture import Mixture
 from .recipes import Trained, output_scaling
@@ -33,9 +33,7 @@ def check_export(path: Path, data: Mixture, parameters: Trained, ranking: Traine
     ------
     OfflineError : where the outputs differ
     """
-    import onnxruntime
-
-    session = onnxruntime.InferenceSession(str(path), providers=["CPUExecutionProvider"])
+    session = import_onnxruntime().InferenceSession(str(path), providers=["CPUExecutionProvider"])
     shift, scale = output_scaling(data.problem)
     worst = 0.0
     for one in data.sets:

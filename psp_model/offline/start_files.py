@@ -52,7 +52,7 @@ def read_starts(path: Path, constants: PlatoonParameters | None = None) -> Array
         try:
             validate(PlatoonState(gaps, speeds, constants or PlatoonParameters()))
         except ModelError as error:
-            raise OfflineError(f"{path}, start {row}: {error}") from None
+            raise OfflineError(f"{path}, start {row}: {error.problem}", error.remedy) from None
     return np.concatenate([s, v], axis=1)
 
 
@@ -78,23 +78,23 @@ def _from_csv(path: Path) -> tuple[Array, Array]:
     try:
         rows = [row for row in csv.reader(io.StringIO(path.read_text(encoding="utf-8-sig"))) if row]
     except (UnicodeDecodeError, csv.Error):
-        raise OfflineError(f"{path} is not a text file: {_EXPECTED}") from None
+        raise OfflineError(f"{path} is not a text file", _EXPECTED) from None
     if not rows:
-        raise OfflineError(f"{path} is empty: {_EXPECTED}")
+        raise OfflineError(f"{path} is empty", _EXPECTED)
     names, places = rows[0], {}
     for place, name in enumerate(names):
         match = _COLUMN.match(name.strip())
         if match is None or (match[1], int(match[2])) in places:
             problem = "unknown" if match is None else "repeated"
-            raise OfflineError(f"{path} has the {problem} column {name.strip()!r}: {_EXPECTED} and no others")
+            raise OfflineError(f"{path} has the {problem} column {name.strip()!r}", f"{_EXPECTED} and no others")
         places[match[1], int(match[2])] = place
     n = max((number for _, number in places), default=0)
     if n > len(places):
-        raise OfflineError(f"{path} names vehicle {n} and has {len(places)} columns: {_EXPECTED}")
+        raise OfflineError(f"{path} names vehicle {n} and has {len(places)} columns", _EXPECTED)
     wanted = [("s", i) for i in range(2, n + 1)] + [("v", i) for i in range(1, n + 1)]
     if n < 2 or set(wanted) != set(places):
         missing = ", ".join(f"{kind}_{i}" for kind, i in wanted if (kind, i) not in places)
-        raise OfflineError(f"{path} lacks or misnumbers columns ({missing or 'too few vehicles'}): {_EXPECTED}")
+        raise OfflineError(f"{path} lacks or misnumbers columns ({missing or 'too few vehicles'})", _EXPECTED)
     table = _numbers(path, rows[1:], len(names))[:, [places[key] for key in wanted]]
     return table[:, : n - 1], table[:, n - 1 :]
 
@@ -104,11 +104,13 @@ def _numbers(path: Path, rows: list[list[str]], columns: int) -> Array:
     table = np.empty((len(rows), columns))
     for number, row in enumerate(rows, start=1):
         if len(row) != columns:
-            raise OfflineError(f"{path}, start {number} has {len(row)} cells: the header has {columns}")
+            raise OfflineError(f"{path}, start {number} has {len(row)} cells", f"give it {columns}, as the header has")
         try:
             table[number - 1] = [float(cell) for cell in row]
         except ValueError:
-            raise OfflineError(f"{path}, start {number} holds something else than numbers: {row}") from None
+            raise OfflineError(
+                f"{path}, start {number} holds something else than numbers, {row}", "give numbers"
+            ) from None
     return table
 
 

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
+import sys
 from collections.abc import Mapping
+from copy import copy
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
@@ -21,6 +24,43 @@ GAPS, SPEEDS = "gaps", "speeds"
 ANY_NUMBER = "platoon_any.onnx"  # the network that serves where there is none for just that number of vehicles
 
 
+def import_onnxruntime() -> Any:
+    """The package onnxruntime, which neither writes into HOME nor asks the network for anything.
+
+    From version 1.29 on it does both on Linux and macOS, unless the environment variable ORT_DISABLE_TELEMETRY is 1
+    before it is imported; whoever has set that variable decides.
+
+    Raises
+    ------
+    ModelError : where it cannot be imported
+    """
+    os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
+    try:
+        import onnxruntime  # here, because it takes longer to import than everything else together
+
+        _ = onnxruntime.InferenceSession, onnxruntime.SessionOptions  # which a folder left of it lacks
+    except Exception as error:  # of another build, it raises whatever it likes
+        why = " ".join(f"{type(error).__name__}: {error}".split())[:300]
+        python = sys.executable or os.path.join(
+            sys.prefix, "bin", "python3"
+        )  # in a host that has started Python itself
+        raise ModelError("onnxruntime", python, why, python) from None
+    return onnxruntime
+
+
+@lru_cache(maxsize=64)
+def _open_session(content: bytes) -> Any:
+    """A session for a file's content, one for all copies: an FMU that is loaded again lies in another folder."""
+    onnxruntime = import_onnxruntime()
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = options.inter_op_num_threads = 1
+    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
+    # the further optimisations hang or crash on some files with sizes that cannot be
+    options.graph_optimization_level = onnxruntime.GraphOptimizationLevel.ORT_ENABLE_BASIC
+    options.log_severity_level = 4  # what is wrong is said once, by ModelError
+    return onnxruntime.InferenceSession(content, options, providers=["CPUExecutionProvider"])
+
+
 def _numbers(text: str) -> dict[str, float]:
     """Finite numbers by name, from JSON."""
     found = {name: float(value) for name, value in json.loads(text).items()}
@@ -36,7 +76,7 @@ class ParameterNetwork:
     A network for any number of vehicles between two bounds has the inputs `gaps`, float32 [batch, n-1], and `speeds`,
     float32 [batch, n].  Output `parameters` is float32 [batch, 3], alpha, r [m], p.  A network that also ranks
     candidates has the outputs `scores`, float32 [batch, K], and `dictionary`, float32 [K, 3].  All scaling is inside.
-    The file is read when it is first needed.
+    The file is read when it is first needed; a pickle carries what was read, and opens it again.
 
     Parameters
     ----------
@@ -49,26 +89,32 @@ class ParameterNetwork:
 
     def __init__(self, path: Path | str):
         self.path = Path(path)
+        self._content: bytes | None = None  # of the file, once it was found in order
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"path": self.path, "_content": self._content}
+
+    def __copy__(self) -> ParameterNetwork:
+        made = ParameterNetwork(self.path)
+        vars(made).update(vars(self))  # the session, too, which nothing changes
+        return made
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> ParameterNetwork:
+        return copy(self)
 
     @cached_property
     def _session(self) -> Any:
-        import onnxruntime  # here, because it takes longer to import than everything else together
-
-        options = onnxruntime.SessionOptions()
-        options.intra_op_num_threads = options.inter_op_num_threads = 1
-        options.add_session_config_entry("session.intra_op.allow_spinning", "0")
-        # the further optimisations hang or crash on some files with sizes that cannot be
-        options.graph_optimization_level = onnxruntime.GraphOptimizationLevel.ORT_ENABLE_BASIC
-        options.log_severity_level = 4  # what is wrong is said once, by ModelError
         try:
-            content = self.path.read_bytes()
+            content = self.path.read_bytes() if self._content is None else self._content
         except OSError as error:
             raise ModelError("network_missing", self.path.name, error.strerror) from None
+        import_onnxruntime()
         try:
-            session = onnxruntime.InferenceSession(content, options, providers=["CPUExecutionProvider"])
+            session = _open_session(content)
         except Exception:  # onnxruntime raises a class of its own for every kind of damage
             raise ModelError("network_damaged", self.path.name) from None
         self._require_shapes(session)
+        self._content = content
         return session
 
     def _require_shapes(self, session: Any) -> None:

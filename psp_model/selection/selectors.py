@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
 from math import inf
 from typing import Any, NamedTuple, Protocol
@@ -121,8 +121,8 @@ class BestOfRollouts(FromNetwork):
 
     rollouts: int = 16
     horizon: float = 20.0
-    weights: ObjectiveWeights = ObjectiveWeights()
-    sampling: Sampling = Sampling()
+    weights: ObjectiveWeights = field(default_factory=ObjectiveWeights)
+    sampling: Sampling = field(default_factory=Sampling)
 
     def _asked(self, network: ParameterNetwork, s: Any, v: Any, constants: PlatoonParameters) -> PotentialParameters:
         count, rounds = share_rollouts(self.rollouts)

@@ -4,14 +4,36 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..sampling.hold import IDEAL, Motion
+import numpy as np
+
+from ..sampling.hold import DoubleIntegrators, Motion, gaps_after, travelled
 from ..sampling.loop import Vector
 from ..state import PlatoonState
 
 
+@dataclass(frozen=True)
+class StoppingIntegrators(DoubleIntegrators):
+    """Double integrators that do not reverse: who comes to a stop on the way stands from there on, exactly (ours).
+
+    In certified periods nobody does, and these are the paper's vehicles.
+    """
+
+    def advance(self, vehicles: Motion, a: Vector, tau: float) -> tuple[Motion, Vector]:
+        """See `Plant.advance`."""
+        v = vehicles.v + tau * a
+        stops = v < 0
+        until = np.where(stops, vehicles.v / np.where(stops, -a, 1.0), tau)
+        moved, v = travelled(vehicles.v, a, until), np.where(stops, 0.0, v)
+        after = Motion(vehicles.x + float(moved[0]), gaps_after(vehicles.s, moved), v)
+        return after, np.where(stops, (v - vehicles.v) / tau, a)
+
+
+STOPPING = StoppingIntegrators()
+
+
 @dataclass
 class IdealPlant:
-    """Double integrators driven period by period (ours).
+    """Double integrators that do not reverse, driven period by period (ours).
 
     The acceleration known at the end of a period counts for all of it.  A command that a co-simulation master passes
     on late, but within the period it belongs to, so does what it would have done without the delay.  What is seen is
@@ -48,4 +70,4 @@ class IdealPlant:
         a : (n,) accelerations [m/s2]
         """
         while self.period < period:
-            self.now, self.period = IDEAL.advance(self.now, a, self.T)[0], self.period + 1
+            self.now, self.period = STOPPING.advance(self.now, a, self.T)[0], self.period + 1

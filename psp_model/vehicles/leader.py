@@ -50,8 +50,12 @@ class Wave:
         for name, unit in (("high", "m/s"), ("low", "m/s"), ("begin", "s"), ("period", "s")):
             if not isfinite(getattr(self, name)):
                 raise ModelError("finite", name, getattr(self, name), unit)
-        if not 0 <= self.low <= self.high or not self.period > 0:
-            raise ModelError("wave", self.low, self.high, self.period)
+        if self.low < 0:
+            raise ModelError("wave_backwards", self.low)
+        if self.low > self.high:
+            raise ModelError("wave", self.low, self.high)
+        if not self.period > 0:
+            raise ModelError("wave_period", self.period)
 
     def speed(self, time: float) -> float:
         """Speed of the leader [m/s].
@@ -96,7 +100,11 @@ class Profile:
         for number, (time, speed) in enumerate(zip(self.times, self.speeds, strict=True), start=1):
             if not isfinite(time):
                 raise ModelError("finite", f"the time in row {number} of {self.name}", time, "s")
-            if not 0 <= speed <= self.v_max:  # which no NaN does
+            if not isfinite(speed):
+                raise ModelError("finite", f"the speed in row {number} of {self.name}", speed, "m/s")
+            if speed < 0:
+                raise ModelError("profile_backwards", speed, number, self.name, self.v_max)
+            if speed > self.v_max:
                 raise ModelError("profile_speed", speed, number, self.name, self.v_max)
         for number, (before, time) in enumerate(pairwise(self.times), start=2):
             if time <= before:

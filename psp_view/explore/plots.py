@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from psp_model.parameters import HILL_WIDTH, P_MAX, P_MIN, PlatoonParameters
 
+from ..palette import colours
 from ..runs import QUANTITIES
-from ..style import colours
 from .response import Choice, Response
 
 _CEILING = 8.0  # V and V' are drawn up to this

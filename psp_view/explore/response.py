@@ -19,7 +19,7 @@ from psp_model.simulate import simulate
 from psp_model.state import PlatoonState
 from psp_model.validate import validate
 
-from ..potentials import Curve, curve
+from ..curves import Curve, curve
 
 
 @dataclass(frozen=True)

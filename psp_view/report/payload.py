@@ -6,16 +6,14 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib import colormaps
-from matplotlib.colors import to_hex
 from numpy.typing import NDArray
 
 from psp_model.analysis.cases import Case
 from psp_model.run import Run
 
-from ..motion import moving_frame
-from ..potentials import curve
-from ..style import OKABE_ITO, colours
+from ..curves import curve
+from ..moving_frame import moving_frame
+from ..palette import OKABE_ITO, cividis, colours
 from .thin import kept, rounded
 
 _CURVE_CEILING = 8.0  # [m2/s2] and [m/s2] potentials and slopes are drawn up to this; they are infinite at L
@@ -55,11 +53,10 @@ def palettes(vehicles: int) -> dict[str, list[str]]:
     """
     if vehicles < len(OKABE_ITO):
         return {"light": colours(vehicles), "dark": _bright(colours(vehicles))}
-    cividis = colormaps["cividis"]
     places = np.linspace(0.0, 1.0, vehicles)
     return {
-        "light": [to_hex(cividis(0.85 * place)) for place in places],
-        "dark": [to_hex(cividis(0.35 + 0.65 * place)) for place in places],
+        "light": [cividis(0.85 * place) for place in places],
+        "dark": [cividis(0.35 + 0.65 * place) for place in places],
     }
 
 

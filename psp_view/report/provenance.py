@@ -15,6 +15,7 @@ import numpy as np
 
 import psp_model
 from psp_model.analysis.cases import Case
+from psp_model.installed.files import checkout
 from psp_model.parameters import ObjectiveWeights, PlatoonParameters
 from psp_model.selection.network import ParameterNetwork
 
@@ -58,6 +59,8 @@ def _version(name: str) -> str:
 
 def _commit() -> str | None:
     """The commit that the model's files are at, with a mark where they differ from it."""
+    if checkout() is None:
+        return None  # a repository around a wheel is somebody else's
     folder = Path(psp_model.__file__).parent
     try:
         head = subprocess.run(["git", "rev-parse", "HEAD"], cwd=folder, capture_output=True, text=True, check=True)

@@ -7,6 +7,11 @@ What was not reached is listed in FOLDER; the table lies in benchmarks/results.
 
 from __future__ import annotations
 
+if __name__ == "__main__":  # before the imports that take time
+    from psp_cli.interrupt import install
+
+    install("branches.py")
+
 import json
 import os
 import subprocess

@@ -6,6 +6,11 @@ equivalent_mutants.toml.  Exit status 1 where one is not, or where an explanatio
 
 from __future__ import annotations
 
+if __name__ == "__main__":  # before the imports that take time
+    from psp_cli.interrupt import install
+
+    install("mutants.py")
+
 import json
 import subprocess
 import sys

@@ -97,6 +97,7 @@ def test_the_page_keeps_its_words_and_gets_table_and_picture(tmp_path):
     assert (tmp_path / "docs/images/benchmarks.png").stat().st_size > 1000
 
 
+@pytest.mark.system("libpython")
 def test_a_smoke_run(tmp_path):
     """Steps of both FMUs in all hosts, the loop and the empty FMUs, with equal motion checked."""
     pytest.importorskip("ziglang")

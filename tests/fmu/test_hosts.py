@@ -44,6 +44,7 @@ def test_fmpy_from_the_shell(fmu, expected, tmp_path):
     np.testing.assert_allclose([float(last[name]) for name in NAMES], expected, rtol=0, atol=1e-9)
 
 
+@pytest.mark.system("libcosim")
 def test_libcosim(fmu, expected):
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimObserver import CosimObserver
@@ -59,6 +60,7 @@ def test_libcosim(fmu, expected):
     np.testing.assert_allclose(values, expected, rtol=0, atol=1e-9)
 
 
+@pytest.mark.system("ecos")
 def test_ecos(fmu, expected, tmp_path):
     script = f"""
 from ecospy import EcosSimulation, EcosSimulationStructure

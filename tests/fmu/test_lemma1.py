@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from harness import ERROR, OK, WARNING, starts
+from harness import DISCARD, ERROR, OK, WARNING, starts
 from psp_model import StartDomain
 from reference import reference_run
 
@@ -60,7 +60,7 @@ def test_policy_2_warns_once_a_stretch_and_counts_every_instant(instance):
         statuses.append(instance.step(k * 0.02, 0.02))
         flags.append(instance.get("lemma1_ok")[0])
         speeds.append(max(instance.group("v")))
-    assert set(statuses) == {OK, WARNING}
+    assert set(statuses) == {OK}  # a warning is a message: as a status it would end the run in several hosts
     assert instance.get("lemma1_violations") == [flags.count(0.0)]
     stretches = sum(now == 0.0 and before == 1.0 for before, now in zip([1.0, *flags], flags, strict=False))
     assert sum(status == WARNING for status, _ in instance.messages) == stretches
@@ -94,6 +94,6 @@ def test_the_limit_on_short_periods_ends_in_a_clear_error(instance):
     s, v = [5.001] * 6, [30.0] * 7
     values = OLD | {"lemma1_policy": 3, "max_short_periods": 10}
     assert instance.initialise(starts(s, v) | values) == OK
-    assert instance.step(0.0, 0.01) == ERROR
+    assert instance.step(0.0, 0.01) == DISCARD
     sentence = instance.messages[-1][1]
     assert "max_short_periods = 10" in sentence and "raise max_short_periods" in sentence

@@ -11,6 +11,7 @@ import subprocess
 import sys
 from datetime import date
 from pathlib import Path
+from shutil import rmtree
 from tempfile import TemporaryDirectory
 
 import numpy as np
@@ -31,18 +32,26 @@ HOSTS = {  # driver: (name in the table, packages of its environment)
     "cofmupy_host": ("cofmupy", ["cofmupy"]),
     "pathsim_fmi_host": ("pathsim-fmi", ["pathsim-fmi"]),
     "gemseo_fmu_host": ("gemseo-fmu", ["gemseo-fmu"]),
-    "syssimx_host": ("syssimx", ["syssimx"]),
+    "syssimx_host": ("syssimx", ["syssimx", "fmpy"]),
+    "omsimulator_host": ("OMSimulator (C++, through Python)", ["OMSimulator"]),
     "fmu_container_host": ("fmu-manipulation-toolbox (check, container)", ["fmu-manipulation-toolbox", "fmpy"]),
 }
 
 
 def environment(packages: list[str], folder: Path) -> Path:
-    """The Python of a host's virtual environment, made if it is missing; onnxruntime is for the Python FMU."""
+    """The Python of a host's virtual environment, made if it is missing; onnxruntime is for the Python FMU.
+
+    Raises
+    ------
+    OSError : where pip cannot install the packages
+    """
     python = folder / packages[0] / "bin" / "python"
     if not python.exists():
         subprocess.run([sys.executable, "-m", "venv", str(python.parents[1])], check=True)
         install = [str(python), "-m", "pip", "install", "--quiet", *packages, "onnxruntime", "numpy"]
-        subprocess.run(install, check=True)
+        if subprocess.run(install, check=False).returncode != 0:
+            rmtree(python.parents[1])
+            raise OSError(f"{' '.join(packages)} cannot be installed")
     return python
 
 
@@ -83,6 +92,19 @@ def difference(python: Path, driver: str, fmu: Path, expected: dict[str, np.ndar
     return found["version"], f"{worst:.1e}"
 
 
+def row(
+    driver: str, packages: list[str], folder: Path, fmus: Path, expected: dict[str, np.ndarray]
+) -> tuple[str, str, str]:
+    """Version of a host, and what it makes of the native FMU and of the Python FMU."""
+    try:
+        python = environment(packages, folder)
+    except OSError as error:
+        return "", str(error), ""
+    version, native = difference(python, driver, fmus / "PspPlatoonNative.fmu", expected)
+    other, slow = difference(python, driver, fmus / "PspPlatoon.fmu", expected)
+    return version or other, native, slow
+
+
 def main(folder: Path) -> list[tuple[str, str, str, str]]:
     """Print the table in Markdown; its rows: host, version, native FMU, Python FMU."""
     rows = []
@@ -93,10 +115,7 @@ def main(folder: Path) -> list[tuple[str, str, str, str]]:
         print(f"\n{date.today()}, `python tests/hosts/table.py {folder}`: largest difference from psp_model over 5 s\n")
         print("| host | version | native FMU | Python FMU |\n|---|---|---|---|")
         for driver, (name, packages) in HOSTS.items():
-            python = environment(packages, folder)
-            version, native = difference(python, driver, Path(temporary, "PspPlatoonNative.fmu"), expected)
-            other, slow = difference(python, driver, Path(temporary, "PspPlatoon.fmu"), expected)
-            rows.append((name, version or other, native, slow))
+            rows.append((name, *row(driver, packages, folder, Path(temporary), expected)))
             print("| " + " | ".join(rows[-1]) + " |", flush=True)
     assert 7 in networks_up_to(7)
     return rows

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fmu_src.errors import FmiError
 from psp_model import (
     BEST_FIXED,
     Lemma1Policy,
@@ -22,7 +23,7 @@ from psp_model import (
     Sampling,
     simulate,
 )
-from psp_model.errors import SENTENCES
+from psp_model.errors import SENTENCES, TableError
 from psp_model.law.potential import V_OLD
 from psp_model.validate import validate
 
@@ -45,9 +46,9 @@ CONSTANTS = [
     ({"lam": -1.0}, "lambda", ["lambda = -1 m", "8 m"]),
     ({"v_max": 0.0}, "v_max", ["v_max = 0 m/s", "positive"]),
     ({"v_max": -1.0}, "v_max", ["v_max = -1 m/s"]),
-    ({"v_star": 0.0}, "v_star", ["v_star = 0 m/s", "v_max = 35 m/s", "lower v_star or raise v_max"]),
-    ({"v_star": 35.0}, "v_star", ["v_star = 35 m/s", "strictly", "v_max = 35 m/s"]),
-    ({"v_star": -1.0}, "v_star", ["v_star = -1 m/s"]),
+    ({"v_star": 0.0}, "v_star_backwards", ["v_star = 0 m/s", "v_max = 35 m/s", "above 0 m/s"]),
+    ({"v_star": 35.0}, "v_star", ["v_star = 35 m/s", "strictly", "v_max = 35 m/s", "lower v_star or raise v_max"]),
+    ({"v_star": -1.0}, "v_star_backwards", ["v_star = -1 m/s", "above 0 m/s"]),
     ({"epsilon": 0.0}, "epsilon", ["epsilon = 0 m/s2", "positive"]),
     ({"mu": 0.0}, "mu", ["mu = 0 1/s", "positive"]),
     ({"mu": -0.5}, "mu", ["mu = -0.5 1/s"]),
@@ -131,9 +132,9 @@ def test_a_policy_may_be_given_by_its_number() -> None:
 
 STATES = [
     ([5.0, 9.0], SPEEDS, "gap", ["s[2] = 5 m", "exceed L = 5 m", "lower L"]),
-    ([9.0, -3.0], SPEEDS, "gap", ["s[3] = -3 m"]),
+    ([9.0, -3.0], SPEEDS, "gap_order", ["s[3] = -3 m", "vehicle 3 behind vehicle 2"]),
     (GAPS, [30.0, 35.5, 30.0], "speed", ["v[2] = 35.5 m/s", "[0, 35] m/s", "vehicle 2"]),
-    (GAPS, [-0.1, 30.0, 30.0], "speed", ["v[1] = -0.1 m/s"]),
+    (GAPS, [-0.1, 30.0, 30.0], "speed_backwards", ["v[1] = -0.1 m/s", "[0, 35] m/s", "vehicle 1 at 0 m/s or more"]),
     (GAPS, [30.0, 30.0, NAN], "finite", ["v_start[3]", "not nan", "m/s"]),
     ([NAN, 9.0], SPEEDS, "finite", ["s_start[2]", "not nan", "in m"]),
     ([9.0, INF], SPEEDS, "finite", ["s_start[3]", "not inf"]),
@@ -215,20 +216,21 @@ def test_numbers_are_rounded_where_that_hides_nothing() -> None:
 
 ROOT = Path(__file__).parents[2]
 FORMAT = re.compile(r"%(?:\.10g|d|s|%)")
+TABLES: tuple[type[TableError], ...] = (ModelError, FmiError)
 
 
-@pytest.mark.parametrize("key", SENTENCES)
-def test_every_sentence_formats_in_python_and_in_c(key: str) -> None:
-    sentence = SENTENCES[key]
+@pytest.mark.parametrize(("table", "key"), [(table, key) for table in TABLES for key in table.sentences])
+def test_every_sentence_formats_in_python_and_in_c(table: type[TableError], key: str) -> None:
+    sentence = table.sentences[key]
     assert re.findall("%", FORMAT.sub("", sentence)) == [], "only %.10g, %d, %s and %% mean the same in both"
     samples: dict[str, Any] = {"%.10g": 1.5, "%d": 3, "%s": "name"}
     values = [samples[conversion] for conversion in FORMAT.findall(sentence) if conversion != "%%"]
-    text = str(ModelError(key, *values))
+    text = str(table(key, *values))
     assert "%" not in text and "\n" not in text
     assert re.search(r"[:,(] ?\S", text) and not text.endswith("."), text
 
 
-@pytest.mark.parametrize("key", SENTENCES)
+@pytest.mark.parametrize("key", SENTENCES | FmiError.sentences)
 def test_every_sentence_is_used(key: str) -> None:
     python = [path for folder in ("psp_model", "fmu_src") for path in (ROOT / folder).rglob("*.py")]
     sources = {path: path.read_text(encoding="utf-8") for path in python if path.name != "errors.py"}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,6 +11,7 @@ import pytest
 
 from build_fmu import main as build
 from harness import Instance, Unpacked
+from system_packages import require
 
 FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"
 
@@ -85,11 +85,9 @@ def native(native_fmu: Unpacked) -> Iterator[Instance]:
 @pytest.fixture(scope="session")
 def c_host(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The small C host of this folder, compiled."""
-    compiler = shutil.which("cc")
-    if compiler is None:
-        pytest.skip("no C compiler on this machine")
+    require("cc")
     host = tmp_path_factory.mktemp("host") / "c_host"
     source = Path(__file__).parent / "c_host.c"
     flags = ["-std=gnu11", "-Wall", "-Wextra", "-Werror", "-I", str(FMI_HEADERS)]
-    subprocess.run([compiler, *flags, "-o", str(host), str(source), "-ldl"], check=True)
+    subprocess.run(["cc", *flags, "-o", str(host), str(source), "-ldl"], check=True)
     return host

@@ -18,6 +18,7 @@ from fmu_src.toolchain.compile import compile_library
 from harness import OK, Instance, Unpacked
 from native.fuzz import run as fuzzing
 from native.hosting import host_arguments
+from system_packages import WINES
 
 FUNCTIONS = {  # FMI 2.0 for co-simulation
     *("GetTypesPlatform", "GetVersion", "SetDebugLogging", "Instantiate", "FreeInstance", "SetupExperiment"),
@@ -63,9 +64,9 @@ def test_fmpy_finds_nothing_to_complain_about(each_native_fmu):
     assert ran.returncode == 0 and "No problems found" in ran.stdout
 
 
-def test_fmpy_compile_builds_the_sources(native_fmu, tmp_path):
-    if not shutil.which("cmake") or not shutil.which("cc"):
-        pytest.skip("fmpy compile needs cmake and a C compiler")
+@pytest.mark.system("cc", "make")
+def test_fmpy_compile_builds_the_sources(native_fmu, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")  # fmpy brings cmake
     from fmpy.build import build_platform_binary
 
     folder = tmp_path / "unpacked"
@@ -85,26 +86,29 @@ def _packed(folder: Path, tmp_path: Path) -> Path:
     return Path(shutil.make_archive(str(tmp_path / "again"), "zip", folder)).rename(tmp_path / "again.fmu")
 
 
-@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.parametrize(
+    "compiler",
+    [pytest.param(compiler, marks=pytest.mark.system(compiler)) for compiler in ("gcc", "clang")],
+)
 def test_other_compilers_have_nothing_to_warn_about(each_native_fmu, tmp_path, compiler):
-    if shutil.which(compiler) is None:
-        pytest.skip(f"no {compiler} on this machine")
     for name, content in _sources(each_native_fmu).items():
         (tmp_path / name).write_bytes(content)
     flags = ["-std=c11", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fPIC", "-c"]
     subprocess.run([compiler, *flags, *(str(path) for path in tmp_path.glob("*.c"))], check=True, cwd=tmp_path)
 
 
-def test_the_linux_library_needs_an_old_glibc_only_and_exports_fmi_only(each_native_fmu):
+def test_the_linux_library_needs_an_old_glibc_only(each_native_fmu):
     (library,) = (each_native_fmu.folder / "binaries" / "linux64").glob("*.so")
     content = library.read_bytes()
     versions = {tuple(map(int, found.split(b"."))) for found in re.findall(rb"GLIBC_([0-9.]+)", content)}
     assert versions and max(versions) <= (2, 17)
-    if shutil.which("nm"):
-        symbols = subprocess.run(
-            ["nm", "-D", "--defined-only", str(library)], capture_output=True, text=True, check=True
-        )
-        assert {line.split()[-1] for line in symbols.stdout.splitlines()} == {f"fmi2{name}" for name in FUNCTIONS}
+
+
+@pytest.mark.system("nm")
+def test_the_linux_library_exports_fmi_only(each_native_fmu):
+    (library,) = (each_native_fmu.folder / "binaries" / "linux64").glob("*.so")
+    symbols = subprocess.run(["nm", "-D", "--defined-only", str(library)], capture_output=True, text=True, check=True)
+    assert {line.split()[-1] for line in symbols.stdout.splitlines()} == {f"fmi2{name}" for name in FUNCTIONS}
 
 
 def test_the_macos_library_holds_both_architectures_signed(everywhere):
@@ -133,12 +137,11 @@ def _load_commands(part: bytes) -> list[int]:
     return commands
 
 
+@pytest.mark.system("wine", "cc")
 def test_the_windows_library_gives_the_same_numbers_under_wine(
     everywhere, native_fmu, native_controller_fmu, c_host, tmp_path
 ):
-    wine = shutil.which("wine64") or shutil.which("wine") or shutil.which("wine64", path="/usr/lib/wine")
-    if wine is None:
-        pytest.skip("no wine on this machine")
+    wine = next(str(path) for name in WINES if (path := shutil.which(name)))
     source = (Path(__file__).parent / "c_host.c").read_bytes()
     host = compile_executable(source, tmp_path)
     with ZipFile(everywhere) as archive:
@@ -171,10 +174,9 @@ def compile_executable(source: bytes, folder: Path) -> Path:
     return host
 
 
+@pytest.mark.system("sanitizers")
 @pytest.mark.parametrize("component", ["platoon", "controller"])
 def test_a_short_run_of_the_fuzzer_finds_nothing(component):
-    if fuzzing.compiler() is None:
-        pytest.skip("no clang on this machine")
     ran = fuzzing.fuzz(seconds=7, component=component)
     assert ran.returncode == 0, ran.stderr[-3000:]
 

@@ -34,13 +34,13 @@ def candidates(library: ctypes.CDLL, s: np.ndarray, v: np.ndarray) -> np.ndarray
     """(K, 3) what the C code gives, the answer first."""
     found = np.zeros((COUNT, 4))
     arguments = [array.ctypes.data_as(ctypes.POINTER(ctypes.c_double)) for array in (s, v, found)]
-    count = library.network_candidates(v.size, arguments[0], arguments[1], COUNT, arguments[2])
+    count = library.PspPlatoonNative_network_candidates(v.size, arguments[0], arguments[1], COUNT, arguments[2])
     return found[:count, :3]
 
 
 @pytest.mark.parametrize("vehicles", range(2, CAPACITY))
 def test_answer_and_ranking_are_those_of_onnxruntime(library: ctypes.CDLL, vehicles: int) -> None:
-    assert library.network_for(vehicles)
+    assert library.PspPlatoonNative_network_for(vehicles)
     network = networks_up_to(CAPACITY)[vehicles].reader
     s, v = StartDomain().draw(np.random.default_rng(vehicles), vehicles, 20)
     for k in range(20):
@@ -72,7 +72,7 @@ def test_what_the_c_code_would_compute_otherwise_is_refused(tmp_path: Path, caps
 
 @pytest.mark.parametrize("vehicles", [-1, 0, 1, CAPACITY, 2**31 - 1])
 def test_there_is_none_for_other_numbers(library: ctypes.CDLL, vehicles: int) -> None:
-    assert not library.network_for(vehicles)
+    assert not library.PspPlatoonNative_network_for(vehicles)
     assert CAPACITY not in networks_up_to(CAPACITY)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -115,8 +116,11 @@ def test_dataset_train_evaluate_from_end_to_end(
     trained = ["train", "--data", "1.parquet", "-o", "net.onnx", "--epochs", "2", "--candidates", "9", "--hidden", "8"]
     assert RUN.invoke(app, trained).exit_code == 0
     assert Path("out/training/net_parameters.png").stat().st_size > 1000
-    result = RUN.invoke(app, ["evaluate", "--data", "2.parquet", "--network", "net.onnx", "--rollouts", "4", "--card"])
+    judged = ["evaluate", "--data", "2.parquet", "--network", "net.onnx", "--rollouts", "4", "--card", "--json"]
+    result = RUN.invoke(app, judged)
     assert result.exit_code == 0, result.output
+    kept = json.loads(Path("out/evaluation/net.json").read_text())
+    assert {key: kept[key] for key in kept if key != "command"}.items() <= json.loads(result.stdout).items()
     card = Path("net.md").read_text()
     assert "psp train" in card or "SHA-256" in card
     assert "best of 4 by rollout" in card and "best fixed triple" in card

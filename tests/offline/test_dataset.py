@@ -73,6 +73,43 @@ def test_kill_9_costs_one_chunk_at_most_and_ends_in_the_same_file(tiny_plan: Pla
     assert not parts.exists()
 
 
+def test_a_run_that_fails_before_its_first_chunk_leaves_nothing(
+    tiny_plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*arguments: object) -> bytes:
+        raise OfflineError("no compiler")
+
+    path = tmp_path / "a.parquet"
+    with monkeypatch.context() as patch:
+        patch.setattr(module, "solve_chunk", broken)
+        with pytest.raises(OfflineError, match="no compiler"):
+            make(tiny_plan, path)
+    assert not list(tmp_path.iterdir())
+    make(tiny_plan, path)
+
+
+@pytest.mark.parametrize("resume", [False, True])
+def test_a_leftover_folder_without_a_solved_chunk_stands_in_nobodys_way(
+    tiny_plan: Plan, tmp_path: Path, resume: bool
+) -> None:
+    path, parts = tmp_path / "a.parquet", tmp_path / "a.parquet.parts"
+    parts.mkdir()
+    (parts / "plan.json").write_text("other options")
+    (parts / ".000000.123.partial.npz").write_bytes(b"half")
+    make(tiny_plan, path, resume=resume)
+    assert [left.name for left in tmp_path.iterdir()] == ["a.parquet"]
+    parts.mkdir()
+    (parts / "plan.json").write_text("other options")
+    with pytest.raises(OfflineError, match="exists already"):
+        make(tiny_plan, path)
+
+
+def test_a_file_in_the_place_of_the_parts_is_named(tiny_plan: Plan, tmp_path: Path) -> None:
+    (tmp_path / "a.parquet.parts").write_text("a file")
+    with pytest.raises(OfflineError, match=r"a.parquet.parts is no folder: remove it"):
+        make(tiny_plan, tmp_path / "a.parquet")
+
+
 def test_a_killed_dask_worker_does_not_change_the_file(tiny_plan: Plan, tmp_path: Path) -> None:
     class Teacher(distributed.WorkerPlugin):
         """Makes every worker know the effort, the one that replaces the killed one, too."""

@@ -1,7 +1,12 @@
 """`python -m torture`."""
 
-import sys
+from psp_cli.interrupt import run
 
-from .runner import main
 
-sys.exit(main())
+def _main() -> int:
+    from .runner import main
+
+    return main()
+
+
+run("torture", _main, all_groups=True)

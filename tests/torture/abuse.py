@@ -16,7 +16,7 @@ import numpy as np
 
 from .call_order import ALLOWED, LEADS_TO
 from .fmus import BUILDS, Build, unpacked
-from .raw import ERROR, FATAL, OK, WARNING, Library, Raw
+from .raw import DISCARD, ERROR, FATAL, OK, WARNING, Library, Raw
 from .trial import Chunk, Outcome
 
 _CALLS = 60  # in a session
@@ -66,7 +66,7 @@ class Session:
     def step(self) -> None:
         """One call, and what it has to come to."""
         function = self.pick(_COMMON) if self.rng.random() < 0.5 else self.pick(list(ALLOWED))
-        if self.state in ("error", "terminated") and self.rng.random() < 0.3:
+        if self.state in ("error", "failed", "terminated") and self.rng.random() < 0.3:
             function = "Reset"  # or most of a session would be refusals
         self.trace.append(function)
         self.raw.messages.clear()
@@ -82,8 +82,12 @@ class Session:
             self.wrong(f"{function} was fatal in state {before}")
         if not allowed:
             self.outcome.tally("refused out of order")
-            if status != ERROR or not any(function in said for said in self.raw.messages):
+            named = any(function in said for said in self.raw.messages)
+            quiet = function == "Terminate" and before == "error"  # only cleans up: the error has been told
+            if status != ERROR or named == quiet:
                 self.wrong(f"{function} in state {before} gave {status} and was not refused by name")
+        elif function == "DoStep" and status == DISCARD:
+            self.state = "failed"
         elif status >= ERROR:
             self.state = "error" if status == ERROR else "fatal"
         elif function in LEADS_TO and status <= WARNING:
@@ -91,7 +95,8 @@ class Session:
         self._explained(function, status)
 
     def _explained(self, function: str, status: int) -> None:
-        if status != OK and not self.raw.messages:
+        quiet = function in ("Terminate", "FreeFMUstate") and status == ERROR and self.state == "error"
+        if status != OK and not self.raw.messages and not quiet:
             self.wrong(f"{function} gave {status} without a word")
         for said in self.raw.messages:
             if "\n" in said or "Traceback" in said or "internal error" in said or not 10 < len(said) < 600:
@@ -109,7 +114,7 @@ class Session:
         names = (ctypes.c_char_p * 3)(b"logAll", None, b"100%n%s")
         status = self.raw.call(function, 1, int(self.rng.integers(4)), self.pick([names, None]))
         if self.state != "fatal":
-            self.raw.call(function, 0, 0, None)  # all messages again
+            self.raw.call(function, 1, 0, None)  # all messages again
         return status
 
     def _SetupExperiment(self, function: str) -> int:

@@ -1,7 +1,8 @@
 """Commands killed at every stage, and disks that are full: nothing half-written is left in place.
 
 Every run is a child of this process.  A kill comes when the child opens, renames or removes a file for the k-th time,
-or in the middle of a write (a file size limit with its signal).  Afterwards each file in the folder is the one from
+or in the middle of a write (a file size limit with its signal).  Ctrl-C comes at such steps too, and must end the child
+with its sentence and nothing left behind.  Afterwards each file in the folder is the one from
 before or the one that an undisturbed run writes, and the command, given again, ends well.
 """
 
@@ -21,6 +22,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from psp_cli.interrupt import CODE, install
 
 from .trial import Chunk, Outcome
 
@@ -66,6 +69,9 @@ def _child(arguments: list[str], folder: Path, before: Callable[[], None]) -> tu
         with suppress(BaseException):
             os.chdir(folder)
             sys.argv = ["psp", *arguments]
+            os.dup2(os.open(said, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 2)
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+            install("psp")
             err = io.StringIO()
             code = 0
             try:
@@ -78,7 +84,7 @@ def _child(arguments: list[str], folder: Path, before: Callable[[], None]) -> tu
                 code = 70
                 err.write(f"raised {error!r}")
             resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
-            said.write_text(err.getvalue())
+            os.write(2, err.getvalue().encode())
             os._exit(code)
         os._exit(71)
     _, status = os.waitpid(pid, 0)
@@ -91,8 +97,8 @@ def _psp(arguments: list[str]) -> None:
     app(arguments, prog_name="psp", standalone_mode=True)
 
 
-def kill_at(event: int, folder: Path) -> Callable[[], None]:
-    """Makes a child kill itself at its k-th step in a folder."""
+def signal_at(event: int, folder: Path, number: int = signal.SIGKILL) -> Callable[[], None]:
+    """Makes a child send itself a signal at its k-th step in a folder."""
     place = str(folder)
 
     def before() -> None:
@@ -104,7 +110,7 @@ def kill_at(event: int, folder: Path) -> Callable[[], None]:
                 if path.startswith(place):
                     seen[0] += 1
                     if seen[0] == event:
-                        os.kill(os.getpid(), signal.SIGKILL)
+                        os.kill(os.getpid(), number)
 
         sys.addaudithook(hook)
 
@@ -177,7 +183,11 @@ class Stage:
         outcome.tally(f"{self.command.name}: {how.split()[0]}")
         if wrong := _half_written(_files(self.folder), self.whole):
             outcome.violate(f"{self.command.name}, {how}: half-written {wrong}")
-        if os.WIFEXITED(status) and os.WEXITSTATUS(status) not in (0, 2):
+        if os.WIFEXITED(status) and os.WEXITSTATUS(status) == CODE:
+            sentences = [line for line in said.splitlines() if line.startswith("psp: interrupted")]
+            if len(sentences) != 1 or "Traceback" in said:
+                outcome.violate(f"{self.command.name}, {how}: said {said[-300:]}")
+        elif os.WIFEXITED(status) and os.WEXITSTATUS(status) not in (0, 2):
             outcome.violate(f"{self.command.name}, {how}: ended with {os.WEXITSTATUS(status)}: {said[-300:]}")
         left = [name for name in _files(self.folder) if any(mark in name.split("/")[-1] for mark in _LEFT_OVER)]
         if left and os.WIFEXITED(status):
@@ -218,16 +228,17 @@ def run(chunk: Chunk, commands: tuple[Command, ...] = COMMANDS) -> Outcome:
         return outcome
     largest = max(map(len, stage.whole.values()))
     for number in range(chunk.count):
-        old, kind = bool(number % 2), number % 3
-        if kind == 0:
-            event = 1 + number // 3
-            how = f"killed at event {event}"
-            status = stage.disturb(how, kill_at(event, stage.folder), old, outcome)
+        old, kind = bool(number // 4 % 2), number % 4
+        if kind in (0, 3):
+            event = 1 + number // 4
+            how = f"{'interrupted' if kind else 'killed'} at event {event}"
+            by = signal.SIGINT if kind else signal.SIGKILL
+            status = stage.disturb(how, signal_at(event, stage.folder, by), old, outcome)
         else:
             size = int(largest * rng.random() ** 2)
             how = f"{'killed in a write' if kind == 1 else 'full'} at {size} bytes"
             status = stage.disturb(how, limit(size, kind == 1), old, outcome)
-        if status != 0 and number % 4 == 0:
+        if status != 0 and (kind == 3 or number % 8 == 0):
             stage.again(how, outcome)
     return outcome
 

@@ -33,7 +33,9 @@ static bool next(Platoon *platoon, Front *front)
 {
     const double ends = platoon->now.fraction + platoon->now.span;
     const bool whole = ends >= 1.0;
-    return platoon_advance(platoon, front, platoon->now.period + whole, whole ? 0.0 : ends);
+    Instant scratch;
+    front->partly = false;
+    return platoon_advance(platoon, front, platoon->now.period + whole, whole ? 0.0 : ends, &scratch) == fmi2OK;
 }
 
 static Platoon begin(int n, const double *row)

@@ -11,7 +11,7 @@ from harness import Unpacked
 
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
 
-_LOGGER = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p, c_char_p)  # the format is always "%s"
+_LOGGER = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)  # no arguments follow the format
 
 
 class Callbacks(ctypes.Structure):
@@ -86,13 +86,13 @@ class Raw:
         description = library.fmu.description
         resources = (library.fmu.folder / "resources").as_uri().encode()
         self.component = library.functions.fmi2Instantiate(
-            name.encode(), 1, description.guid.encode(), resources, byref(self.callbacks), 0, 0
+            name.encode(), 1, description.guid.encode(), resources, byref(self.callbacks), 0, 1
         )
         if not self.component:
             raise RuntimeError(f"no instance: {self.messages}")
 
-    def _log(self, environment: Any, name: Any, status: int, category: Any, form: bytes, text: bytes) -> None:
-        self.messages.append((text if form == b"%s" else form).decode(errors="replace"))
+    def _log(self, environment: Any, name: Any, status: int, category: Any, form: bytes) -> None:
+        self.messages.append(form.replace(b"%%", b"%").decode())
 
     def call(self, function: str, *arguments: Any) -> int:
         """An FMI function by its name without fmi2."""

@@ -9,11 +9,11 @@ import argparse
 import hashlib
 import json
 import os
+import shlex
 import signal
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 import traceback
 from collections.abc import Callable, Sequence
@@ -21,7 +21,9 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
-from shutil import which
+
+from psp_cli.interrupt import can_go_on
+from system_packages import NEEDS, found
 
 from . import fmus
 from .registry import TRIALS
@@ -72,7 +74,7 @@ def run_chunk(trial: Trial, number: int, count: int, fmu_folder: Path) -> Outcom
     return outcome
 
 
-def _in_a_process(piece: Piece, folder: Path, alive: set[int], lock: threading.Lock) -> Outcome:
+def _in_a_process(piece: Piece, folder: Path) -> Outcome:
     """One chunk in a process of its own; if that dies or hangs, that is a violation."""
     command = [sys.executable, "-m", "torture", "--chunk", piece.trial.name, str(piece.number), str(piece.count)]
     environment = os.environ | {"PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}", "OPENBLAS_NUM_THREADS": "1"}
@@ -85,15 +87,11 @@ def _in_a_process(piece: Piece, folder: Path, alive: set[int], lock: threading.L
             stderr=said,
             start_new_session=True,
         )
-        with lock:
-            alive.add(process.pid)
         try:
             process.wait(timeout=piece.trial.limit)
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
             process.wait()
-        with lock:
-            alive.discard(process.pid)
         said.seek(0)
         last = said.read()[-600:].strip()
     if process.returncode == 0 and piece.kept(folder).exists():
@@ -111,8 +109,9 @@ def _pieces(options: argparse.Namespace) -> list[Piece]:
         raise SystemExit(f"no trial is called {', '.join(unknown)}: choose from {', '.join(t.name for t in TRIALS)}")
     chosen = [trial for trial in TRIALS if trial.name in wanted]
     for trial in chosen:
-        if missing := [need for need in trial.needs if which(need) is None]:
-            print(f"{trial.name} is left out: it needs {', '.join(missing)}", flush=True)
+        if missing := [need for need in trial.needs if not found(need)]:
+            packages = " ".join(package for need in missing for package in NEEDS[need].packages)
+            print(f"{trial.name} is left out, as packages are missing: install {packages}", flush=True)
             chosen = [other for other in chosen if other is not trial]
     share = options.share
     rows = [
@@ -148,31 +147,23 @@ def run_all(pieces: Sequence[Piece], folder: Path, jobs: int, say: Callable[[str
     say : is told about every chunk
     """
     totals: dict[str, Outcome] = {piece.trial.name: Outcome() for piece in pieces}
-    alive: set[int] = set()
-    lock, begun = threading.Lock(), time.monotonic()
+    begun = time.monotonic()
     with ThreadPoolExecutor(jobs) as pool:
-        waiting = {pool.submit(_one, piece, folder, alive, lock): piece for piece in pieces}
-        try:
-            for done, future in enumerate(as_completed(waiting), start=1):
-                piece, outcome = waiting[future], future.result()
-                totals[piece.trial.name].add(outcome)
-                wrong = f", {outcome.failures} WRONG: {outcome.violations[:1]}" if outcome.failures else ""
-                passed = time.monotonic() - begun
-                at = f"{done}/{len(pieces)}, {passed:.0f} s"
-                say(f"[{at}] {piece.trial.name} {piece.number}: {outcome.count:,}{wrong}")
-        except KeyboardInterrupt:
-            pool.shutdown(wait=False, cancel_futures=True)
-            with lock:
-                for pid in alive:
-                    os.killpg(pid, signal.SIGKILL)
-            raise
+        waiting = {pool.submit(_one, piece, folder): piece for piece in pieces}
+        for done, future in enumerate(as_completed(waiting), start=1):
+            piece, outcome = waiting[future], future.result()
+            totals[piece.trial.name].add(outcome)
+            wrong = f", {outcome.failures} WRONG: {outcome.violations[:1]}" if outcome.failures else ""
+            passed = time.monotonic() - begun
+            at = f"{done}/{len(pieces)}, {passed:.0f} s"
+            say(f"[{at}] {piece.trial.name} {piece.number}: {outcome.count:,}{wrong}")
     return totals
 
 
-def _one(piece: Piece, folder: Path, alive: set[int], lock: threading.Lock) -> Outcome:
+def _one(piece: Piece, folder: Path) -> Outcome:
     if piece.kept(folder).exists():
         return Outcome.from_dict(json.loads(piece.kept(folder).read_text()))
-    return _in_a_process(piece, folder, alive, lock)
+    return _in_a_process(piece, folder)
 
 
 def _child(name: str, number: int, count: int, folder: Path) -> int:
@@ -203,14 +194,13 @@ def main(arguments: list[str] | None = None) -> int:
     if options.chunk:
         name, number, count = options.chunk
         return _child(name, int(number), int(count), options.output)
+    words = [word for word in (sys.argv[1:] if arguments is None else arguments) if word != "--fresh"]
+    again = shlex.join(["python", "-m", "torture", *words])
+    can_go_on(lambda: again if any((options.output / "chunks").glob("*.json")) else None)
     _prepare(options.output, options.fresh)
     pieces = _pieces(options)
     begun = time.monotonic()
-    try:
-        totals = run_all(pieces, options.output, options.jobs, lambda line: print(line, flush=True))
-    except KeyboardInterrupt:
-        print("interrupted: the same command goes on from here", file=sys.stderr)
-        return 130
+    totals = run_all(pieces, options.output, options.jobs, lambda line: print(line, flush=True))
     chosen = [trial for trial in TRIALS if trial.name in totals]
     places = [options.output / "summary"]
     if len(chosen) == len(TRIALS) and options.share == 1.0:  # the whole of it: what the documentation shows

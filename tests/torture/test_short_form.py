@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
-from shutil import which
 
 import pytest
 
+from system_packages import require
 from torture.registry import TRIALS
 from torture.runner import Piece, run_all
 from torture.summary import as_markdown
@@ -30,8 +30,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(("name", "number"), CHUNKS)
 def test_nothing_goes_wrong(folder: Path, name: str, number: int) -> None:
     trial = BY_NAME[name]
-    if any(which(need) is None for need in trial.needs):
-        pytest.skip(f"{name} needs {', '.join(trial.needs)}")
+    require(*trial.needs)
     outcome = run_all([Piece(trial, int(number), trial.short)], folder, 1, lambda line: None)[name]
     assert outcome.count > 0 and outcome.failures == 0, outcome.violations
     assert name in as_markdown([trial], {name: outcome}, 1.0)

@@ -103,7 +103,7 @@ class Trial:
     chunks, count : of the long form, and the cases in each chunk
     short : cases of the short form, which is a single chunk
     tell : the figures worth a line, from what all chunks came to
-    needs : programs without which the trial is left out
+    needs : from the system, by the names in tests/system_packages.py, without which the trial is left out
     limit : seconds after which a chunk is taken for hanging
     """
 

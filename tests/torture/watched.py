@@ -131,9 +131,15 @@ def _where(result: Any) -> str:
 
 
 def settle_in(folder: Path) -> list[Path]:
-    """Send temporary files and caches into a folder; the folders that may be written to."""
+    """Send temporary files and caches into a folder; the folders that may be written to.
+
+    What Python compiles is not kept: a command that is the first to import a module after an installation would seem to
+    write beside that module.
+    """
+    sys.dont_write_bytecode = True
     for name in ("tmp", "cache", "out"):
         (folder / name).mkdir(exist_ok=True)
     tempfile.tempdir = str(folder / "tmp")
     os.environ |= {"TMPDIR": str(folder / "tmp"), "XDG_CACHE_HOME": str(folder / "cache")}
+    os.environ["MPLCONFIGDIR"] = str(folder / "cache")
     return [folder / name for name in ("tmp", "cache", "out")]

@@ -114,7 +114,8 @@ BAD = [
     ({"n_active": 0.0}, "n_active = 0"),
     ({"n_active": 8.0}, "n_active = 8"),
     ({"n_active": nan}, "n_active = nan"),
-    ({"v_desired": 35.0}, "v_desired = 35 m/s"),
+    ({"v_desired": 35.1}, "v_desired = 35.1 m/s"),
+    ({"v_desired": -0.1}, "v_desired = -0.1 m/s"),
     ({"v_desired": nan}, "v_desired = nan m/s"),
     ({"resolve": nan}, "resolve must be a finite number"),
     ({"t_measured": 0.0}, "0.02 s old"),
@@ -140,8 +141,8 @@ def test_bad_input_is_an_error_of_one_sentence_or_the_safe_action_until_it_is_go
     assert safe.initialise(SAFE | {"max_age": 0.015} | good) == OK
     assert safe.step(0.0, 2 * T) == OK
     assert safe.set(good | bad) == OK
-    assert safe.step(2 * T, T) == WARNING
-    assert part in safe.messages[-1][1]
+    assert safe.step(2 * T, T) == OK
+    assert safe.messages[-1][0] == WARNING and part in safe.messages[-1][1]
     backwards = [bad.get(f"v[{i}]", 1.0) < 0 for i in range(1, N + 1)]
     assert safe.group("a") == [0.0 if stands else -3.0 for stands in backwards]
     assert safe.get("input_ok", "input_faults", "T_max", "lemma1_ok") == [0.0, 1.0, 0.0, 0.0]
@@ -159,7 +160,7 @@ def test_the_safe_action_stops_at_standstill(controller):
 
 def test_inputs_that_nobody_renews_grow_stale_inside_a_long_step(controller):
     assert controller.initialise(SAFE | {"max_age": 0.035} | named(*random_start(8))) == OK
-    assert controller.step(0.0, 10 * T) == WARNING
+    assert controller.step(0.0, 10 * T) == OK
     assert controller.get("input_faults") == [6.0]  # instants 0 to 3 T are fresh enough
 
 

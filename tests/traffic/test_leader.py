@@ -39,8 +39,8 @@ def test_the_part_of_the_wltc_lies_inside_the_state_space_and_never_stands():
         ("# 1\n0,1\n1;2\n", "profile_line", "'1;2'"),
         ("0,1\n0,2\n", "profile_time", "row 2"),
         ("0,1\n1,36.5\n", "profile_speed", "36.5 m/s in row 2"),
-        ("0,1\n1,-0.1\n", "profile_speed", "[0, 35] m/s"),
-        ("0,1\n1,nan\n", "profile_speed", "nan"),
+        ("0,1\n1,-0.1\n", "profile_backwards", "[0, 35] m/s"),
+        ("0,1\n1,nan\n", "finite", "nan"),
         ("0,1\ninf,2\n", "finite", "row 2"),
     ],
 )

@@ -9,22 +9,24 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from build_fmu import main as build
 from psp_model import PlatoonState, PotentialParameters, StartDomain, simulate
+from psp_model.vehicles.leader import Profile
 from psp_traffic.controller_fmu import ControllerFmu, Fleet, Platoon
 from psp_traffic.driver import Driver, controllers, sumo_drivers
 from psp_traffic.measures import Measures, contact, gaps, measure
 from psp_traffic.results import Results
 from psp_traffic.scale import SIZE, cost
 from psp_traffic.scenario import STOP_AND_GO, Scenario, highway, highway_apart, on_profile, ramp, stop_and_go
-from psp_traffic.simulation import Disturbance, Record
+from psp_traffic.simulation import Disturbance, Record, _Run
 from psp_traffic.simulation import simulate as drive
 from psp_traffic.summary import table
 from psp_traffic.sweep import Tolerance, Trial, of_sweep, sweep, sweep_text
 from psp_view.traffic import draw_following, draw_tolerance
 
-pytest.importorskip("libsumo")
+pytestmark = pytest.mark.system("sumo")
 ROOT = Path(__file__).parents[2]
 
 
@@ -113,6 +115,74 @@ def test_a_leader_drives_its_own_speed_whoever_follows(fmu):
         record = drive(on_profile(duration=8.0), driver)
         np.testing.assert_allclose(record.v[:, 0], np.interp(record.time, *wltc.T), atol=1e-6)
         assert measure(record, on_profile()).collisions == 0
+
+
+STANDING = Profile((0.0, 60.0), (0.0, 0.0))
+STOPPING = Profile((0.0, 2.0, 9.0, 60.0), (25.0, 25.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("number", range(7))
+@pytest.mark.parametrize("leader", [STANDING, STOPPING], ids=["standing", "stopping"])
+def test_nobody_leaves_the_lane_of_a_leader_who_stands(fmu, leader, number, monkeypatch):
+    """SUMO's own lane change model would take the drivers round him; whoever drives on touches him, and is counted."""
+    driver = [*controllers(fmu, led=True), *sumo_drivers()][number]
+    lanes: set[str] = set()
+    read = _Run._read
+
+    def noted(self, *arguments):
+        read(self, *arguments)
+        lanes.update(self.sumo.vehicle.getLaneID(name) for name in self.names)
+
+    monkeypatch.setattr(_Run, "_read", noted)
+    v = np.r_[leader.speed(0.0), np.full(4, 20.0)]
+    scenario = Scenario("standing", np.r_[60.0, np.full(3, 25.0)], v, duration=16.0, leader=leader)
+    record = drive(scenario, driver)
+    assert lanes == {"before_0"} and record.on_road.all()
+    passed = (record.x[:, 1:] > record.x[:, :1]).any()
+    collisions = measure(record, scenario).collisions
+    assert collisions > 0 or not passed
+    assert driver.fmu is not None or (collisions == 0 and not passed)
+
+
+def test_on_a_ramp_only_those_who_come_in_change_lanes_and_only_once(fmu):
+    scenario = ramp(duration=25.0)
+    for driver in (v_new(fmu), *sumo_drivers()):
+        on_road = drive(scenario, driver).on_road
+        through = scenario.v.size
+        assert on_road[:, :through].all()
+        assert (np.diff(on_road[:, through:].astype(int), axis=0) >= 0).all()
+
+
+def test_only_contacts_on_the_same_lane_are_counted():
+    time, both = 0.1 * np.arange(200), np.ones((200, 2), dtype=bool)
+    x = np.stack([10.0 * time + 30.0, 20.0 * time], axis=1)  # the second passes the first
+    scenario = Scenario("passing", np.array([30.0]), np.array([10.0, 20.0]))
+    together = Record(time, x, np.tile([10.0, 20.0], (200, 1)), both, np.ones(2), np.ones(2), {})
+    assert measure(together, scenario).collisions == 1 and contact(together) < 3
+    assert np.isinf(contact(replace(together, on_road=both & [True, False])))
+
+
+def test_warnings_name_situation_driver_and_start(native_controller_fmu):
+    ran = psp("stop-and-go", "--fmu", native_controller_fmu.path, "--starts", "2", "--duration", "15")
+    said = [line for line in ran.stderr.splitlines() if line.startswith("psp: warning: ")]
+    assert {line.split(": ")[2] for line in said} >= {
+        f"stop-and-go, {driver}, start {start}" for driver in ("V_new", "V_new, v_leader") for start in (1, 2)
+    }
+    assert not [line for line in ran.stderr.splitlines() if line.startswith("controller: ")]
+
+
+def test_a_terminal_gets_drawn_tables(monkeypatch, capsys):
+    from psp_cli import sumo_tables
+
+    screen = Console(force_terminal=True, width=110, color_system=None)
+    monkeypatch.setattr(sumo_tables, "console", lambda: screen)
+    row = Measures(0, 2.0, 3.0, 1.0, 0.5, 1.0, 0.5, 5000.0, 20.0, 4.0, np.nan, 150.0, 50.0)
+    sumo_tables.show_measures("**highway**, 1 start", {"V_new": [row], "[IDM]": [row]})
+    trial = Trial(np.inf, np.inf, 1.25, 0.4)
+    sumo_tables.show_tolerances("highway", {("V_new", 0.0, lag): Tolerance((trial,)) for lag in (0.0, 0.5)})
+    shown = capsys.readouterr().out
+    assert "| " not in shown and "**" not in shown and "[IDM]" in shown and "CO2 [g/km]" in shown
+    assert sum("│" in line for line in shown.splitlines()) >= 14 and "1.25 m" in shown and "Without delay:" in shown
 
 
 def test_a_delay_of_half_a_second_is_felt(native_controller_fmu):

@@ -19,9 +19,9 @@ from psp_cli.settings import setup
 from psp_model import BEST_FIXED, PlatoonState, PotentialParameters, StartDomain, simulate
 from psp_model.analysis.cases import comparison, figures, run_case
 from psp_view.report import write_report
-from view.browser import CHROMIUM, DRIVER, browser, errors, resize, set_dark
+from view.browser import browser, errors, resize, set_dark
 
-pytestmark = pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="needs Debian's chromium and chromium-driver")
+pytestmark = pytest.mark.system("chromium")
 pytest.importorskip("selenium")
 
 THINNING = 6e-4  # of a plot's range: what the report promises, and rounding

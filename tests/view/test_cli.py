@@ -43,19 +43,6 @@ def test_help_names_every_command_and_imports_nothing_heavy():
     assert not HEAVY & set(modules.split())
 
 
-@pytest.mark.parametrize(
-    ("arguments", "package", "extra"),
-    [(["figures", "--only", "potentials"], "matplotlib", "report"), (["explore", "--no-show"], "nicegui", "explore")],
-)
-def test_what_an_extra_brings_is_named_where_it_is_missing(monkeypatch, arguments, package, extra):
-    for name in [name for name in sys.modules if name.partition(".")[0] in (package, "psp_view")]:
-        monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setitem(sys.modules, package, None)
-    result = psp(*arguments)
-    assert result.exit_code == 2
-    assert result.stderr == f"psp: this needs {package}: install it with `pip install 'psp-platoon[{extra}]'`\n"
-
-
 def test_the_default_install_pulls_nothing_heavy():
     """All that pip installs for psp-platoon without extras, by the metadata of what is installed here."""
     from importlib.metadata import PackageNotFoundError, requires
@@ -280,11 +267,20 @@ def test_figures_of_choice_are_drawn(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {"potentials.png", "potentials.pdf"}
 
 
-@pytest.mark.parametrize("option", ["report -o", "simulate {fmu} --csv", "compare --plot", "figures --only runs -o"])
-def test_what_cannot_be_written_is_one_sentence_and_leaves_nothing(fmu, tmp_path, option):
+@pytest.mark.parametrize(
+    ("option", "name"),
+    [
+        ("report -o", "out.html"),
+        ("simulate {fmu} --csv", "out.csv"),
+        ("compare --plot", "out.png"),
+        ("compare --json", "out.json"),
+        ("figures --only runs -o", "out"),
+    ],
+)
+def test_what_cannot_be_written_is_one_sentence_and_leaves_nothing(fmu, tmp_path, option, name):
     (tmp_path / "file").write_text("in the way")
     words = option.format(fmu=fmu).split()
-    result = psp(*words, str(tmp_path / "file" / "out.png"), "--duration", "0.1")
+    result = psp(*words, str(tmp_path / "file" / name), "--duration", "0.1")
     assert result.exit_code == 2, result.output
     (sentence,) = result.stderr.splitlines()
     assert "file" in sentence and "choose another place" in sentence

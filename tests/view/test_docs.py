@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from typer.main import get_command
 
+from fmu_src.errors import FmiError
 from fmu_src.interface.variables import platoon_table
 from psp_cli.main import app
 from psp_cli.scenario import read_scenario
@@ -20,6 +21,9 @@ from psp_model.errors import SENTENCES
 ROOT = Path(__file__).parents[2]
 PAGES = [*sorted((ROOT / "docs").glob("*.md")), ROOT / "CONTRIBUTING.md"]
 BLOCK = re.compile(r"(?:<!-- (?P<mark>[^>]*) -->\n)?```(?P<language>sh|python|toml)\n(?P<code>.*?)```", re.DOTALL)
+
+SYSTEM = {"psp sumo": "sumo", "libcosimpy": "libcosim", "ecospy": "ecos", "psp doctor": "libpython"}
+"""What words in a block need of the system."""
 
 
 def blocks(language: str):
@@ -33,8 +37,9 @@ def blocks(language: str):
                 continue  # an example, which tests/test_examples.py runs
             if "out/train.parquet" in found["code"] or "out/platoon_3.onnx" in found["code"]:
                 continue  # run in order by test_the_training_page_from_top_to_bottom
-            skip = [pytest.mark.skip(reason=mark)] if mark.startswith("not run here: ") else []
-            yield pytest.param(found["code"], id=f"{page.stem}-{number}", marks=skip)
+            marks = [pytest.mark.skip(reason=mark)] if mark.startswith("not run here: ") else []
+            marks += [pytest.mark.system(need) for word, need in SYSTEM.items() if word in found["code"]]
+            yield pytest.param(found["code"], id=f"{page.stem}-{number}", marks=marks)
 
 
 @pytest.fixture(scope="module")
@@ -120,7 +125,7 @@ def test_every_variable_is_on_the_interface_page(site):
 
 def test_every_message_is_on_the_page_of_messages(site):
     page = (site / "faq/index.html").read_text(encoding="utf-8")
-    for key in SENTENCES:
+    for key in SENTENCES | FmiError.sentences:
         assert f'id="{key}"' in page
     assert "%.10g" not in page and "{{" not in page
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import matplotlib
 import numpy as np
 import pytest
 from PIL import Image
@@ -11,10 +12,12 @@ from PIL import Image
 from psp_model import BEST_FIXED, V_OLD, PlatoonParameters, PlatoonState, StartDomain, require_feasible, simulate
 from psp_model.law.potential import PotentialParameters
 from psp_view.landscape import draw_landscape, landscape, optimum
-from psp_view.motion import closing_speeds, moving_frame
+from psp_view.motion import closing_speeds
+from psp_view.moving_frame import moving_frame
+from psp_view.palette import OKABE_ITO, cividis, colours
 from psp_view.potentials import BASE, VARIED, curve, draw_potentials, family, hill
 from psp_view.runs import draw_runs, save_runs
-from psp_view.style import OKABE_ITO, colours, save
+from psp_view.style import save
 
 PAPER = PlatoonParameters()
 
@@ -137,21 +140,31 @@ def test_a_picture_holds_the_runs_and_its_command(tmp_path: Path):
     np.testing.assert_array_equal(drawn[4].get_ydata(), pair["V_new"].s[:, 4])
     assert figure.axes[0].get_ylabel() == "gap [m]" and figure.axes[-1].get_xlabel() == "time [s]"
     assert "psp compare --plot $HOME/a.png" in figure.get_supxlabel()
-    files = save_runs(pair, tmp_path / "runs.png", "psp compare")
-    assert [file.suffix for file in files] == [".png", ".svg"]
-    assert Image.open(files[0]).info["Description"] == "psp compare"
-    again = save_runs(pair, tmp_path / "again" / "runs.png", "psp compare")
-    assert [file.read_bytes() for file in again] == [file.read_bytes() for file in files]
+    for ending in ("png", "svg"):
+        file = save_runs(pair, tmp_path / f"runs.{ending}", "psp compare")
+        again = save_runs(pair, tmp_path / "again" / f"runs.{ending}", "psp compare")
+        assert again.read_bytes() == file.read_bytes()
+    assert Image.open(tmp_path / "runs.png").info["Description"] == "psp compare"
 
 
-def test_vector_files_can_be_pdf(tmp_path: Path):
-    files = save(draw_potentials("psp figures --pdf"), tmp_path / "potentials.pdf")
-    assert files[1].read_bytes().startswith(b"%PDF")
+@pytest.mark.parametrize(("ending", "begins"), [("pdf", b"%PDF"), ("PNG", b"\x89PNG"), ("svg", b"<?xml")])
+def test_the_suffix_decides_the_format(tmp_path: Path, ending: str, begins: bytes):
+    file = save(draw_potentials("psp figures"), tmp_path / f"potentials.{ending}")
+    assert file.read_bytes().startswith(begins) and list(tmp_path.iterdir()) == [file]
+
+
+def test_other_suffixes_are_refused(tmp_path: Path):
+    with pytest.raises(ValueError, match=r"\.jpg is no picture .* ends in \.png, \.svg or \.pdf"):
+        save(draw_potentials("psp figures"), tmp_path / "potentials.jpg")
+    assert not list(tmp_path.iterdir())
 
 
 def test_colours_are_distinct_and_from_a_palette_for_the_colour_blind():
     assert set(colours(7)) <= set(OKABE_ITO) and len(set(colours(7))) == 7
     assert len(set(colours(100))) == 100
+    there = matplotlib.colormaps["cividis"]
+    for place in np.linspace(0.0, 1.0, 1001):
+        assert cividis(place) == matplotlib.colors.to_hex(there(place))
 
 
 def test_a_curve_starts_above_l_and_ends_beyond_lambda():

@@ -83,7 +83,7 @@ def test_versions_hashes_and_sources_are_there(page):
         "results, SHA-256",
         "paper, section V",
         "ours: equal to z",
-        "fixed by the user",
+        "alpha_fixed, r_fixed, p_fixed",
     ):
         assert text in page
 

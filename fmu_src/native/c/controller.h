@@ -18,8 +18,8 @@ typedef struct {
 /* What it is told at a sampling instant. */
 typedef struct {
     const double *s, *v; /* room for PSP_N vehicles, of which n_active count */
-    double n_active, resolve, age;
-    double v_desired; /* v_star below 0 */
+    double n_active, resolve, age, age_rounding;
+    double v_desired; /* v_star at -1 and below */
 } Measurement;
 
 /* What it decided at a sampling instant, and all that it remembers of the past. */
@@ -31,6 +31,13 @@ typedef struct {
     double a[PSP_N], saturated[PSP_N];
 } Command;
 
+/* A decision in the making: what was measured, inside the state space, and what is decided from it. */
+typedef struct {
+    double s[PSP_N], v[PSP_N];
+    double v_desired; /* below 0 for v_star */
+    Command now;
+} Decision;
+
 /* All of these are false on failure, which has been logged. */
 
 /* controller_settings.c: from the values of the variables, checked; the command before the first sampling instant. */
@@ -39,6 +46,6 @@ void nothing_decided(const Settings *settings, Command *now);
 
 /* controller_sample.c: decides at a sampling instant, given what was decided before. */
 bool decide(const Settings *settings, Front *front, double time, const Measurement *measured, const Command *before,
-            Command *now);
+            Decision *decision);
 
 #endif

@@ -8,13 +8,23 @@
 
 #include "native_model.h"
 
+/* The communication point [sampling periods] since the first sampling instant. */
+static double here(const Clock *clock)
+{
+    double fraction;
+    const int64_t period = clock_at(clock, &fraction);
+    return (double)period + fraction;
+}
+
 bool part_initialise(Backend *backend)
 {
     Part *part = &backend->model.part;
+    Clock *clock = &backend->model.clock;
     memset(part, 0, sizeof *part);
     if (!read_settings(backend->front, backend->model.values, &part->settings)) return false;
     nothing_decided(&part->settings, &part->now);
-    part->time = part->set_at = backend->model.start_time;
+    clock_begin(clock, clock->time, part->settings.phase, part->settings.T);
+    part->set_at = here(clock);
     part->fresh = true;
     return true;
 }
@@ -24,48 +34,62 @@ void part_changed(Backend *backend)
     Part *part = &backend->model.part;
     part->foreseen = false;
     part->fresh = true;
-    part->set_at = part->time;
+    part->set_at = here(&backend->model.clock);
 }
 
-/* Time of the next sampling instant [s]. */
-static double instant(const Model *model)
-{
-    const Part *part = &model->part;
-    return model->start_time + part->settings.phase + (double)part->sampled * part->settings.T;
-}
-
-/* Decides from the inputs as they are now, into the scratch. */
+/* Decides at the next sampling instant from the inputs as they are now, into the scratch. */
 static bool sample(Backend *backend)
 {
     const Model *model = &backend->model;
+    const Part *part = &model->part;
     const double *read = model->values;
-    const double time = instant(model), taken = read[PSP_t_measured];
+    const double T = part->settings.T, time = clock_time_of(&model->clock, part->sampled, T);
+    const double taken = read[PSP_t_measured];
+    const double age = taken < 0.0 ? ((double)part->sampled - part->set_at) * T : time - taken;
     const Measurement measured = {
         .s = read + PSP_s,
         .v = read + PSP_v,
         .n_active = read[PSP_n_active],
         .resolve = read[PSP_resolve],
-        .age = time - (taken < 0.0 ? model->part.set_at : taken),
+        .age = age,
+        .age_rounding = clock_age_rounding(&model->clock, age, T),
         .v_desired = read[PSP_v_desired],
     };
-    return decide(&model->part.settings, backend->front, time, &measured, &model->part.now, &backend->scratch);
+    return decide(&part->settings, backend->front, time, &measured, &part->now, &backend->scratch);
 }
 
-fmi2Status backend_do_step(Backend *backend, double from, double size)
+/* Where an instant behind another one of the step is refused: the step ends there, where newer inputs may come, and the
+ * command held is shown. */
+static fmi2Status end_early(Backend *backend, double from, double *reached)
 {
     Model *model = &backend->model;
     Part *part = &model->part;
-    const double T = part->settings.T, end = from + size;
-    if (size <= 0.0) return fmi2OK;
-    if (!((end - model->start_time) / T < PERIODS_MAX))
-        return front_fail(backend->front, PSP_SENTENCE_periods, end - model->start_time, T);
-    model->stale = 1;
-    for (; instant(model) < end - TIME_TOLERANCE * T; part->sampled++) { /* at the end newer inputs may come */
-        if (!part->foreseen && !sample(backend)) return fmi2Error;
-        part->now = part->foreseen ? part->ahead : backend->scratch;
-        part->foreseen = false;
+    if (backend->front->partly) {
+        *reached = clock_time_of(&model->clock, part->sampled, part->settings.T);
+        clock_pass(&model->clock, from, *reached - from, part->settings.T);
+        part->fresh = false;
     }
-    part->time = end;
+    return front_failure(backend->front);
+}
+
+fmi2Status backend_do_step(Backend *backend, double from, double size, double *reached)
+{
+    Model *model = &backend->model;
+    Part *part = &model->part;
+    Clock clock = model->clock;
+    double fraction;
+    if (size <= 0.0) return fmi2OK;
+    if (!clock_pass(&clock, from, size, part->settings.T))
+        return front_fail(backend->front, PSP_SENTENCE_periods, from + size - clock.first, part->settings.T);
+    const int64_t period = clock_at(&clock, &fraction);
+    model->stale = 1;
+    for (; part->sampled < period + (fraction > 0.0); part->sampled++) { /* at the end newer inputs may come */
+        if (!part->foreseen && !sample(backend)) return end_early(backend, from, reached);
+        part->now = part->foreseen ? part->ahead : backend->scratch.now;
+        part->foreseen = false;
+        backend->front->partly = true;
+    }
+    model->clock = clock;
     part->fresh = false;
     return fmi2OK;
 }
@@ -74,10 +98,11 @@ fmi2Status backend_do_step(Backend *backend, double from, double size)
 static const Command *shown(Backend *backend)
 {
     Part *part = &backend->model.part;
-    if (!part->fresh || instant(&backend->model) > part->time + TIME_TOLERANCE * part->settings.T) return &part->now;
+    double fraction;
+    if (!part->fresh || part->sampled > clock_at(&backend->model.clock, &fraction)) return &part->now;
     if (!part->foreseen) {
         if (!sample(backend)) return NULL;
-        part->ahead = backend->scratch;
+        part->ahead = backend->scratch.now;
         part->foreseen = true;
     }
     return &part->ahead;

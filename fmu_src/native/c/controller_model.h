@@ -6,14 +6,13 @@
 
 typedef struct {
     Settings settings;
-    double time;     /* [s] last communication point */
-    double set_at;   /* [s] when inputs were last set */
+    double set_at;   /* [sampling periods] since the first sampling instant, when inputs were last set */
     int64_t sampled; /* sampling instants that lie in the past */
     bool fresh;      /* inputs were set at this communication point */
     bool foreseen;   /* `ahead` is the decision at the instant that the communication point is */
     Command now, ahead;
 } Part;
 
-typedef Command Scratch; /* a decision that may yet fail */
+typedef Decision Scratch; /* it may yet fail */
 
 #endif

@@ -14,6 +14,19 @@ static bool read_sampling(Front *front, const double *read, Settings *settings)
     return true;
 }
 
+static bool check_limits(Front *front, const Settings *settings)
+{
+    const double a_min = settings->a_min, a_max = settings->a_max, a_safe = settings->a_safe;
+    if (!finite_or_log(front, "a_min", a_min, "m/s2") || !finite_or_log(front, "a_max", a_max, "m/s2") ||
+        !finite_or_log(front, "a_safe", a_safe, "m/s2"))
+        return false;
+    REQUIRE(a_min < 0.0, PSP_SENTENCE_a_min, a_min);
+    REQUIRE(a_max > 0.0, PSP_SENTENCE_a_max, a_max);
+    REQUIRE(a_safe <= 0.0, PSP_SENTENCE_a_safe_positive, a_safe);
+    REQUIRE(a_safe >= a_min, PSP_SENTENCE_a_safe, a_safe, a_min);
+    return true;
+}
+
 bool read_settings(Front *front, const double *read, Settings *settings)
 {
     memset(settings, 0, sizeof *settings);
@@ -25,10 +38,7 @@ bool read_settings(Front *front, const double *read, Settings *settings)
         !read_weights(front, read, &settings->weights) || !read_request(front, read, &settings->request) ||
         !read_choice(front, "bad_input", read[PSP_bad_input], 1, 2, &settings->bad_input))
         return false;
-    REQUIRE(-INFINITY < settings->a_min && settings->a_min < 0.0 && 0.0 < settings->a_max && settings->a_max < INFINITY,
-            PSP_SENTENCE_limits, settings->a_min, settings->a_max);
-    REQUIRE(settings->a_min <= settings->a_safe && settings->a_safe <= 0.0, PSP_SENTENCE_a_safe, settings->a_safe,
-            settings->a_min);
+    if (!check_limits(front, settings)) return false;
     REQUIRE(settings->max_age > 0.0, PSP_SENTENCE_max_age, settings->max_age);
     return settings->request.old || require_feasible(front, &settings->request.fixed, &settings->constants);
 }

@@ -9,8 +9,9 @@
 
 static double smaller(double a, double b) { return b < a ? b : a; }
 
+/* `v_desired` below 0 stands for v_star. */
 static inline double feedback_of(const Constants *constants, const Shape *shape, int n, const double *restrict gaps,
-                                 const double *restrict v, double *restrict a)
+                                 const double *restrict v, double v_desired, double *restrict a)
 {
     const Constants c = *constants;
     const Shape h = *shape;
@@ -24,7 +25,9 @@ static inline double feedback_of(const Constants *constants, const Shape *shape,
                                : psp_slope_off_hill(s, h.alpha, c.L, c.lam);
             T_max = smaller(T_max, psp_gap_bound(s, c.L, c.v_max));
         }
-        a[i] = psp_command(slope_in_front - slope_behind, v[i], c.v_star, c.v_max, c.epsilon, c.mu);
+        const double u = slope_in_front - slope_behind;
+        a[i] = v_desired < 0.0 ? psp_command(u, v[i], c.v_star, c.v_max, c.epsilon, c.mu)
+                               : psp_command_towards(u, v[i], v_desired, c.v_max, c.epsilon, c.mu);
         T_max = smaller(T_max, psp_speed_bound(v[i], a[i], c.v_max));
         slope_in_front = slope_behind;
     }
@@ -33,7 +36,14 @@ static inline double feedback_of(const Constants *constants, const Shape *shape,
 
 double feedback(const Constants *constants, const Shape *shape, int n, const double *s, const double *v, double *a)
 {
-    return n == PSP_N ? feedback_of(constants, shape, PSP_N, s, v, a) : feedback_of(constants, shape, n, s, v, a);
+    return n == PSP_N ? feedback_of(constants, shape, PSP_N, s, v, -1.0, a)
+                      : feedback_of(constants, shape, n, s, v, -1.0, a);
+}
+
+double feedback_towards(const Constants *constants, const Shape *shape, int n, const double *s, const double *v,
+                        double v_desired, double *a)
+{
+    return feedback_of(constants, shape, n, s, v, v_desired, a);
 }
 
 double largest_period(const Constants *constants, int n, const double *s, const double *v, const double *a)

@@ -4,8 +4,6 @@
 
 #include "native_model.h"
 
-static const double STARTS[PSP_FIRST_OUTPUT] = PSP_STARTS;
-
 const char *backend_guid(const char *resources, char *buffer, size_t size)
 {
     (void)resources, (void)buffer, (void)size;
@@ -15,7 +13,7 @@ const char *backend_guid(const char *resources, char *buffer, size_t size)
 static void put_back(Model *model)
 {
     memset(model, 0, sizeof *model);
-    memcpy(model->values, STARTS, sizeof STARTS);
+    native_start_values(model->values);
     model->stale = 1;
 }
 
@@ -49,7 +47,7 @@ fmi2Status backend_terminate(Backend *backend)
 fmi2Status backend_setup(Backend *backend, const double *tolerance, double start, const double *stop)
 {
     (void)tolerance, (void)stop;
-    backend->model.start_time = start;
+    clock_begin(&backend->model.clock, start, 0.0, 1.0);
     return fmi2OK;
 }
 

@@ -2,6 +2,7 @@
 #ifndef PSP_NATIVE_MODEL_H
 #define PSP_NATIVE_MODEL_H
 
+#include "clock.h"
 #include "front.h"
 #include "psp_model.h" /* generated: the table of variables, sentences, and PSP_COMPONENT, the component's header */
 
@@ -10,7 +11,7 @@
 /* The whole state of an instance; a saved state is a copy of it. */
 typedef struct {
     double values[PSP_COUNT]; /* by value reference: parameters and inputs as set, outputs as last computed */
-    double start_time;        /* [s] */
+    Clock clock;              /* before initialisation it stands at the start */
     int32_t initialising;
     int32_t ready; /* the part is what the parameters describe */
     int32_t stale; /* the outputs in values lag behind the part */
@@ -26,6 +27,9 @@ struct Backend {
 
 extern const char *const PSP_VARIABLE_NAMES[PSP_COUNT];
 
+/* native_values.c: the start values of parameters and inputs. */
+void native_start_values(double *values);
+
 /* What a component provides, beside backend_do_step and backend_directional_derivative; false on failure, which has been
  * logged. */
 
@@ -37,6 +41,15 @@ void part_changed(Backend *backend);
 
 /* Writes all outputs, in the order of their references; the part is ready. */
 bool part_put_out(Backend *backend, double *outputs);
+
+/* Whether a model that bytes were read into, which is ready, can be; the front remembers `progress` with it. */
+bool part_restore(Model *model, const Progress *progress);
+
+/* native_state.c, for part_restore: whether a byte is a bool; a number is whole, not below `least` and not above what can
+ * be counted; a shape is one that can have been chosen. */
+bool state_is_flag(const bool *flag);
+bool state_is_count(double value, double least);
+bool state_is_shape(const Shape *shape, const Constants *constants, bool old);
 
 /* native_instance.c: makes the part ready unless it is; false on failure, which has been logged. */
 bool native_make_ready(Backend *backend);

@@ -1,7 +1,11 @@
 /* The variables of any native FMU by value reference. */
+#include <string.h>
+
 #include "native_model.h"
 
-const char *const PSP_VARIABLE_NAMES[PSP_COUNT] = PSP_NAMES;
+#include "psp_table.h" /* generated: start values and names */
+
+void native_start_values(double *values) { memcpy(values, STARTS, sizeof STARTS); }
 
 static fmi2Status unknown_reference(Backend *backend, fmi2ValueReference reference, const char *type)
 {

@@ -34,7 +34,8 @@ bool read_constants(Front *front, const double *read, Constants *c)
     REQUIRE(c->L > 0.0, PSP_SENTENCE_L, c->L);
     REQUIRE(c->lam > c->L + 3.0, PSP_SENTENCE_lambda, c->lam, c->L + 3.0);
     REQUIRE(c->v_max > 0.0, PSP_SENTENCE_v_max, c->v_max);
-    REQUIRE(0.0 < c->v_star && c->v_star < c->v_max, PSP_SENTENCE_v_star, c->v_star, c->v_max);
+    REQUIRE(c->v_star > 0.0, PSP_SENTENCE_v_star_backwards, c->v_star, c->v_max);
+    REQUIRE(c->v_star < c->v_max, PSP_SENTENCE_v_star, c->v_star, c->v_max);
     REQUIRE(c->epsilon > 0.0, PSP_SENTENCE_epsilon, c->epsilon);
     REQUIRE(c->mu > 0.0, PSP_SENTENCE_mu, c->mu);
     REQUIRE(c->z > 0.0, PSP_SENTENCE_z, c->z);

@@ -19,9 +19,10 @@ typedef struct {
 bool platoon_read(Platoon *platoon, Front *front, const double *values, Request *request);
 
 /* platoon_clock.c: feedback and Lemma 1 for the vehicles in `now`, failures logged with `status`; all instants up to a
- * time; the platoon at a time, which is `now` or put into `scratch`. */
+ * time; the platoon at a time, which is `now` or put into `scratch`.  Where an instant is refused `now` is that one and the
+ * status fmi2Error; behind another one that was passed `now` is the last that was in order, and the status fmi2Discard. */
 bool platoon_sample(Platoon *platoon, Front *front, fmi2Status status);
-bool platoon_advance(Platoon *platoon, Front *front, int64_t period, double fraction);
+fmi2Status platoon_advance(Platoon *platoon, Front *front, int64_t period, double fraction, Instant *scratch);
 const Instant *platoon_observe(const Platoon *platoon, int64_t period, double fraction, Instant *scratch);
 
 /* platoon_lemma1.c: says which vehicle keeps T from being certified. */

@@ -25,19 +25,49 @@ void part_changed(Backend *backend) { (void)backend; } /* parameters are read wh
 
 /* time */
 
-fmi2Status backend_do_step(Backend *backend, double from, double size)
+/* Makes the last instant the communication point of a step from `from`; its time [s], to which such a step passes the
+ * instant in spite of rounding: an instant just behind a nominal one, as policy 3 has them, may have no time of its own. */
+static double go_back(Model *model, const Clock *before, double from)
+{
+    Part *part = &model->part;
+    const Instant *now = &part->platoon.now;
+    const double T = part->platoon.T;
+    double fraction;
+    const int64_t period = clock_at(before, &fraction);
+    double time = before->time + ((double)(now->period - period) + (now->fraction - fraction)) * T;
+    for (int tries = 0; tries < 5; tries++) {
+        model->clock = *before;
+        clock_pass(&model->clock, from, time - from, T);
+        part->period = clock_at(&model->clock, &part->fraction);
+        if (part->period > now->period || (part->period == now->period && part->fraction >= now->fraction)) break;
+        time = nextafter(time, INFINITY);
+    }
+    return time;
+}
+
+fmi2Status backend_do_step(Backend *backend, double from, double size, double *reached)
 {
     Model *model = &backend->model;
     Part *part = &model->part;
     Platoon *platoon = &part->platoon;
     model->stale = 1;
     if (size > 0.0 && !part_make_changes(part, backend->front, model->values)) return fmi2Error;
-    const double time = from + size - model->start_time, periods = locate(time, platoon->T, &part->fraction);
-    if (!(fabs(periods) < PERIODS_MAX)) front_fail(backend->front, PSP_SENTENCE_periods, time, platoon->T);
-    else if (platoon_advance(platoon, backend->front, part->period = (int64_t)periods, part->fraction)) return fmi2OK;
+    const Clock before = model->clock;
+    fmi2Status status = fmi2Error;
+    if (!clock_pass(&model->clock, from, size, platoon->T)) {
+        front_fail(backend->front, PSP_SENTENCE_periods, from + size - model->clock.first, platoon->T);
+    } else {
+        part->period = clock_at(&model->clock, &part->fraction);
+        status = platoon_advance(platoon, backend->front, part->period, part->fraction, &backend->scratch);
+    }
+    if (status == fmi2OK) return status;
+    if (status == fmi2Discard) { /* the outputs then show the last instant that was in order */
+        *reached = go_back(model, &before, from);
+        return status;
+    }
     part->period = platoon->now.period; /* the outputs then show the instant that was refused */
     part->fraction = platoon->now.fraction;
-    return fmi2Error;
+    return status;
 }
 
 /* outputs */

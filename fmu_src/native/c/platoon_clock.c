@@ -50,19 +50,42 @@ static bool too_many_short_periods(const Platoon *platoon, Front *front, int64_t
     return true;
 }
 
-bool platoon_advance(Platoon *platoon, Front *front, int64_t period, double fraction)
+/* From the instant `first` once more to the last one before `now`, which was refused.  That is rare: nothing is copied for it
+ * at every instant. */
+static void go_back(Platoon *platoon, const Instant *first)
+{
+    Front nobody = {0}; /* what there was to warn of has been said */
+    Instant *now = &platoon->now;
+    const int64_t period = now->period;
+    const double fraction = now->fraction;
+    for (*now = *first;; platoon_sample(platoon, &nobody, fmi2Discard)) {
+        const double ends = now->fraction + now->span;
+        if (ends >= 1.0 ? now->period + 1 == period && fraction == 0.0 : now->period == period && ends == fraction) return;
+        pass_time(&platoon->weights, now, now->span * platoon->T);
+        now->period += ends >= 1.0;
+        now->fraction = ends >= 1.0 ? 0.0 : ends;
+    }
+}
+
+fmi2Status platoon_advance(Platoon *platoon, Front *front, int64_t period, double fraction, Instant *scratch)
 {
     Instant *now = &platoon->now;
     for (int64_t short_periods = 0;;) {
         const double ends = now->fraction + now->span;
         const int64_t next_period = ends >= 1.0 ? now->period + 1 : now->period;
         const double next_fraction = ends >= 1.0 ? 0.0 : ends;
-        if (next_period > period || (next_period == period && next_fraction > fraction)) return true;
-        if (now->span < 1.0 && ends < 1.0 && too_many_short_periods(platoon, front, ++short_periods)) return false;
+        if (next_period > period || (next_period == period && next_fraction > fraction)) return fmi2OK;
+        if (now->span < 1.0 && ends < 1.0 && too_many_short_periods(platoon, front, ++short_periods))
+            return front_failure(front);
         pass_time(&platoon->weights, now, now->span * platoon->T);
         now->period = next_period;
         now->fraction = next_fraction;
-        if (!platoon_sample(platoon, front, fmi2Error)) return false;
+        if (!platoon_sample(platoon, front, fmi2Error)) {
+            if (front->partly) go_back(platoon, scratch);
+            return front_failure(front);
+        }
+        if (!front->partly && (period > now->period || fraction > now->fraction)) *scratch = *now; /* others may follow */
+        front->partly = true;
     }
 }
 

@@ -69,7 +69,10 @@ static bool may_join(Work *work, const double *values)
         return false;
     }
     if (0.0 <= speed && speed <= v_max) return true;
-    front_log(work->front, fmi2Warning, PSP_SENTENCE_insert_speed, printable(speed), v_max);
+    if (!isfinite(speed))
+        front_log(work->front, fmi2Warning, PSP_SENTENCE_insert_finite, printable(speed), v_max);
+    else if (speed < 0.0) front_log(work->front, fmi2Warning, PSP_SENTENCE_insert_backwards, speed, v_max);
+    else front_log(work->front, fmi2Warning, PSP_SENTENCE_insert_speed, speed, v_max);
     return false;
 }
 

@@ -24,13 +24,14 @@ static bool check_start(Front *front, const Request *request, const Constants *c
     for (int i = 0; i < request->n - 1; i++) {
         snprintf(name, sizeof name, "s_start[%d]", i + 2);
         if (!finite_or_log(front, name, request->s[i], "m")) return false;
+        REQUIRE(request->s[i] > 0.0, PSP_SENTENCE_gap_order, i + 2, request->s[i], i + 2, i + 1);
         REQUIRE(request->s[i] > c->L, PSP_SENTENCE_gap, i + 2, request->s[i], c->L);
     }
     for (int i = 0; i < request->n; i++) {
         snprintf(name, sizeof name, "v_start[%d]", i + 1);
         if (!finite_or_log(front, name, request->v[i], "m/s")) return false;
-        REQUIRE(0.0 <= request->v[i] && request->v[i] <= c->v_max, PSP_SENTENCE_speed, i + 1, request->v[i], c->v_max,
-                i + 1);
+        REQUIRE(request->v[i] >= 0.0, PSP_SENTENCE_speed_backwards, i + 1, request->v[i], c->v_max, i + 1);
+        REQUIRE(request->v[i] <= c->v_max, PSP_SENTENCE_speed, i + 1, request->v[i], c->v_max, i + 1);
     }
     return true;
 }

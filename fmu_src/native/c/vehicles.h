@@ -59,9 +59,11 @@ enum { POLICY_ERROR = 1, POLICY_WARN = 2, POLICY_SHORTEN = 3 }; /* the controlle
         }                                                                                                              \
     } while (0)
 
-/* motion.c: the accelerations of n vehicles, and T_max (returned); T_max for given accelerations; what a time tau makes
- * of an instant; time as whole periods and a fraction. */
+/* motion.c: the accelerations of n vehicles, and T_max (returned), with the desired speed v_star or another one; T_max
+ * for given accelerations; what a time tau makes of an instant; time as whole periods and a fraction. */
 double feedback(const Constants *constants, const Shape *shape, int n, const double *s, const double *v, double *a);
+double feedback_towards(const Constants *constants, const Shape *shape, int n, const double *s, const double *v,
+                        double v_desired, double *a);
 double largest_period(const Constants *constants, int n, const double *s, const double *v, const double *a);
 void pass_time(const Weights *weights, Instant *at, double tau);
 double locate(double time, double T, double *fraction);

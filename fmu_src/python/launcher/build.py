@@ -8,14 +8,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ...toolchain.compile import ENDINGS, FRONT, SOURCES, compile_library
+from ...toolchain.compile import ENDINGS, FRONT, SOURCES, compile_library, prefix_header
 
 BINARIES = Path(__file__).parent / "binaries"
 PLATFORMS = ("linux64", "win64")  # those that pythonfmu has libraries for
-_FILES = (*FRONT, "backend_python.c", "python_library.c", "python_library.h", "library.c", "library.h")
-
-# What runs when the process ends lies in the launcher, which therefore stays in memory when a host unloads the FMU.
-_STAYS = ("-Wl,-z,nodelete",)
+_OWN = ("python_library", "python_question", "python_host", "python_resources", "library")
+_FILES = (*FRONT, "backend_python.c", *(f"{name}.{ending}" for name in _OWN for ending in "ch"))
 
 
 def launcher(platform: str) -> bytes:
@@ -30,7 +28,8 @@ def launcher(platform: str) -> bytes:
     content of the shared library
     """
     files = {name: (SOURCES / name).read_bytes() for name in _FILES}
-    return compile_library(platform, "psp_launcher", files, _STAYS if platform == "linux64" else ())
+    files["psp_prefix.h"] = prefix_header("PspLauncher").encode()
+    return compile_library(platform, "psp_launcher", files)
 
 
 def path_of(platform: str) -> Path:

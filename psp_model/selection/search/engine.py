@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import ModelError
+from ...errors import EngineError
 from ...law.controller import PaperLaw
 from ...law.potential import PotentialParameters
 from ...objective import HORIZON
@@ -135,7 +135,10 @@ def _library(problem: Problem, form: _Form) -> ctypes.CDLL:
             built = Path(folder) / path.name
             done = subprocess.run([*command, "-o", str(built)], input=source, text=True, capture_output=True)
             if done.returncode:
-                raise ModelError("compiler", done.stderr.strip().splitlines()[0] if done.stderr else "no message")
+                reason = done.stderr.strip().splitlines()[0] if done.stderr.strip() else "no message"
+                raise EngineError(
+                    f"the rollouts could not be compiled ({reason}): mend what that names, or install ziglang anew"
+                )
             built.replace(path)
     return ctypes.CDLL(str(path))
 
@@ -181,6 +184,9 @@ class Engine:
     problem: Problem
     real: str = "float"
     threads: int | None = None
+
+    def __getstate__(self) -> dict[str, Any]:  # the library is loaded again where it is needed
+        return {"problem": self.problem, "real": self.real, "threads": self.threads}
 
     @cached_property
     def _of_costs(self) -> Any:
