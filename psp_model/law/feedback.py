@@ -8,6 +8,8 @@ from ..namespaces import array_namespace
 from ..parameters import PlatoonParameters
 from .potential import Potential
 
+SPEED_MARGIN = 0.5  # [m/s] a desired speed counts as this far from 0 and from v_max in g's denominators (ours)
+
 
 def f(x: Any, epsilon: Any) -> Any:
     """The smoothed positive part (paper, eq. of f): 0 below -epsilon, x + epsilon/2 above 0, a parabola between.
@@ -106,6 +108,22 @@ def feedback(s: Any, v: Any, shape: Potential, constants: PlatoonParameters) -> 
     return command(repulsion(s, shape, constants), v, constants)
 
 
+def feedback_towards(s: Any, v: Any, shape: Potential, constants: PlatoonParameters, v_desired: Any) -> Any:
+    """F_i with another desired speed than v*, anywhere in [0, v_max] (ours).
+
+    Parameters
+    ----------
+    s, v : as for `feedback`
+    v_desired : desired speed [m/s], in [0, v_max]
+
+    Returns
+    -------
+    (n, ...) array, accelerations [m/s2]; those of `feedback` with v* = v_desired, bit for bit, for v_desired from
+    SPEED_MARGIN to v_max - SPEED_MARGIN
+    """
+    return command_towards(repulsion(s, shape, constants), v, constants, v_desired)
+
+
 def command(u: Any, v: Any, constants: PlatoonParameters) -> Any:
     """F_i from the slopes u_i that act on a vehicle and its speed (paper, eq. 2, in the form that `feedback` gives).
 
@@ -118,10 +136,38 @@ def command(u: Any, v: Any, constants: PlatoonParameters) -> Any:
     -------
     (n, ...) array, accelerations [m/s2]
     """
+    return _command(u, v, constants, constants.v_star, constants.v_star, constants.v_max - constants.v_star)
+
+
+def command_towards(u: Any, v: Any, constants: PlatoonParameters, v_desired: Any) -> Any:
+    """F_i for a desired speed v_d in [0, v_max] in the place of v* (ours; proofs: docs/theory.md).
+
+    g has v* and v_max - v* in its denominators.  Here v_d stays the speed that the vehicle tends to, and the
+    denominators are kept at SPEED_MARGIN and above.  What pushes forward counts by the share v_d / SPEED_MARGIN where
+    v_d is lower than that: without this the vehicles of a platoon that is told to stand would push each other on.
+
+    Parameters
+    ----------
+    u, v : as for `command`
+    v_desired : v_d [m/s], in [0, v_max]
+
+    Returns
+    -------
+    (n, ...) array, accelerations [m/s2]: at v = 0 never below mu v_d, at v = v_max never above mu (v_d - v_max)
+    """
     xp = array_namespace(u)
-    margin = constants.v_max - constants.v_star
+    least = xp.maximum(v_desired, SPEED_MARGIN)
+    divisor = xp.maximum(xp.minimum(v_desired, constants.v_max - SPEED_MARGIN), SPEED_MARGIN)
+    margin = xp.maximum(constants.v_max - v_desired, SPEED_MARGIN)
+    u = xp.minimum(u, 0.0) + xp.maximum(u, 0.0) * (v_desired / least)
+    return _command(u, v, constants, v_desired, divisor, margin)
+
+
+def _command(u: Any, v: Any, constants: PlatoonParameters, target: Any, divisor: Any, margin: Any) -> Any:
+    """The law for a desired speed `target`, with what stands for v* and v_max - v* in g's denominators, all [m/s]."""
+    xp = array_namespace(u)
     negative = xp.minimum(u, 0.0)
-    smooth = constants.mu + constants.v_max / (constants.v_star * margin) * _excess(negative, constants.epsilon)
+    smooth = constants.mu + constants.v_max / (divisor * margin) * _excess(negative, constants.epsilon)
     pushed = xp.maximum(u, 0.0) * ((constants.v_max - v) / margin)
-    held = negative * (v / constants.v_star)
-    return pushed + held - smooth * (v - constants.v_star)
+    held = negative * (v / divisor)
+    return pushed + held - smooth * (v - target)
