@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import expm1
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -158,20 +159,31 @@ def ride(v: Any, a: Any, command: Any, lag: Any, span: Any) -> tuple[Any, Any, A
     v, moved, a : (n, ...) arrays a time span later [m/s], [m], [m/s2]; a is the actuators', also at standstill
     """
     xp = array_namespace(v)
-    begins = command if is_off(lag) else xp.where(lag + 0.0 * v > 0.0, a, command)
-    then, moved = uninterrupted(v, begins, command, lag, span)
-    decay, _ = _decay(a, lag, span)
-    after = command + (a - command) * (1.0 - decay)
+    begins, decay, kept = _begins(a, command, lag), *_decay(a, lag, span)
+    excess = a - command
+    then = v + span * command + excess * kept
+    after = command + excess * (1.0 - decay)
+    moved = span * (v + 0.5 * span * command) + excess * (lag * (span - kept))
     lowest = v + span * xp.minimum(xp.minimum(begins, command), 0.0)
-    if isinstance(lowest, np.ndarray) and (lowest >= 0.0).all():
+    if isinstance(lowest, np.ndarray) and lowest.min() >= 0.0:
         return then, moved, after
     return (*_with_stop(v, begins, command, lag, span, then, moved), after)
+
+
+def _begins(a: Any, command: Any, lag: Any) -> Any:
+    """The acceleration with which a ride begins: the command at once where there is no lag."""
+    if isinstance(lag, int | float):
+        return a if lag > 0.0 else command
+    return array_namespace(a).where(lag + 0.0 * a > 0.0, a, command)
 
 
 def _decay(a: Any, lag: Any, span: Any) -> tuple[Any, Any]:
     """1 - exp(-span / lag), and lag times that; 1 and 0 without a lag."""
     if is_off(lag):
         return 1.0, 0.0
+    if isinstance(lag, int | float) and isinstance(span, int | float):
+        gone = -expm1(-span / lag)
+        return gone, lag * gone
     xp = array_namespace(a)
     lag = lag + 0.0 * a
     gone = xp.where(lag > 0.0, -xp.expm1(-span / xp.where(lag > 0.0, lag, 1.0)), 1.0)

@@ -9,6 +9,7 @@ from . import (
     lemma1_truth,
     many_instances,
     omega_runs,
+    road_truth,
     sanitized,
     saved_states,
     ten_hours,
@@ -52,6 +53,15 @@ TRIALS = (
         count=250_000,
         short=5_000,
         tell=lemma1_truth.tell,
+    ),
+    Trial(
+        "road-truth",
+        "no platoon leaves Omega within a period certified from late, uncertain measurements",
+        road_truth.run,
+        chunks=8,
+        count=125_000,
+        short=5_000,
+        tell=road_truth.tell,
     ),
     Trial(
         "abuse",
