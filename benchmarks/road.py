@@ -1,8 +1,8 @@
 """How platoons with dead time, lag, lengths and drivers who are not ours fare; prints the tables of the road page.
 
 `python -m benchmarks.road TABLE [--recording FILE] [--starts 20] [--T 0.05]`, with TABLE one of `leaders`,
-`feedforward`, `radar`, `paper`, `closing`, `human`, `cut_in`, `truck`, `certificates`, or `all`.  FILE is a recording of OpenACC
-(European Commission, Joint Research Centre), columns Time and Speed1: the first car leads.
+`feedforward`, `radar`, `paper`, `closing`, `human`, `cut_in`, `truck`, `certificates`, or `all`.  FILE is a
+recording of OpenACC (European Commission, Joint Research Centre), columns Time and Speed1: the first car leads.
 """
 
 from __future__ import annotations
@@ -333,6 +333,9 @@ TABLES: dict[str, Callable[[Setting], None]] = {
     "truck": truck_table,
     "certificates": certificates_table,
 }
+
+BEHAVIOUR = {name: TABLES[name] for name in ("closing", "human", "cut_in", "truck")}
+"""Tables in which nobody touches."""
 
 
 def main() -> None:

@@ -62,7 +62,8 @@ class RoadRun:
     @property
     def touched(self) -> NDArray[np.bool_]:
         """(B,) whether any two vehicles touched."""
-        return (self.least <= 0.0).any(axis=0)
+        found: NDArray[np.bool_] = np.logical_or.reduce(self.least <= 0.0, axis=0)
+        return found
 
     def gain(self, last: int, first: int) -> float:
         """Root mean square acceleration of one vehicle over that of another, over the whole batch [1].
