@@ -138,6 +138,7 @@ def leaders_table(setting: Setting) -> None:
         cases[f"believed {share:g}"] = law, TRUE, Sensing(old)
     law = RoadLaw(BEST_FIXED, CONSTANTS, FULL, TRUE)
     cases["noise 0.1 m, 0.1 m/s"] = law, TRUE, Sensing(old, 0.1, 0.1)
+    cases["mu 1"] = replace(law, constants=replace(CONSTANTS, mu=1.0)), TRUE, Sensing(old)
     for name, speed in leaders(setting).items():
         rows[name] = [shown(trial(setting, *case[:2], speed, (7.0, 11.0), case[2])) for case in cases.values()]
     table("Least clearance, head to tail, last over first follower", list(cases), rows)
@@ -219,7 +220,7 @@ def closing_table(setting: Setting) -> None:
                 end = run.vehicles.s.max()
         rows[name] = [f"{after:g} s", f"{end:.1f} m", f"{run.largest.max():.2f} m/s2", f"{run.least.min():.2f} m"]
     table(
-        "Closing up", ["all at most 20 m after", "largest after 60 s", "largest |a|", "least clearance in 120 s"], rows
+        "Closing up", ["all at most 20 m after", "largest after 60 s", "largest acceleration", "least clearance in 120 s"], rows
     )
 
 

@@ -32,6 +32,8 @@ SENTENCES = {
     "length": "length[%d] = %.10g m must be positive: give vehicle %d a length above 0 m",
     "command_limits": "a_min[%d] = %.10g m/s2 must be negative and a_max[%d] = %.10g m/s2 positive: a vehicle has "
     "to be able to brake and to accelerate",
+    "older": "what is measured is %.10g s old, more than oldest = %.10g s, for which commands are remembered: raise "
+    "oldest, or measure more often",
     "T": "T = %.10g s must be positive: it is the sampling period, give it a time above 0 s",
     "alpha": "alpha = %.10g must lie in [%.10g, %.10g]: choose alpha inside these bounds",
     "r": "r = %.10g m must exceed L = %.10g m and not exceed lambda - 3 m = %.10g m: choose r inside these bounds",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+from ..errors import ModelError
 from ..law.cooperation import Cooperation, Traffic, closing_speeds, is_off, model_spacing
 from ..law.potential import Potential
 from ..law.watching import Watched, accelerations, watch
@@ -88,7 +89,13 @@ class RoadLaw:
         Returns
         -------
         what to remember, and the (n, ...) accelerations commanded [m/s2], 0 for vehicles that drive themselves
+
+        Raises
+        ------
+        ModelError : where the measurement is older than `oldest`
         """
+        if seen.age > self.oldest * (1.0 + 1e-9):
+            raise ModelError("older", seen.age, self.oldest)
         memory = memory or Remembered(nothing_issued(seen.v, self.oldest))
         watched = self._watch(memory.watched, seen)
         foreign = None

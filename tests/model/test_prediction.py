@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from psp_model import BEST_FIXED, Lemma1Policy, PaperLaw, PlatoonState, Sampling, simulate
+from psp_model import BEST_FIXED, Lemma1Policy, ModelError, PaperLaw, PlatoonState, Sampling, simulate
 from psp_model.law.cooperation import Cooperation
 from psp_model.parameters import Actuation
 from psp_model.sampling.hold import IDEAL, Motion
@@ -179,3 +179,9 @@ def test_a_vehicle_that_drives_itself_is_extrapolated() -> None:
     np.testing.assert_allclose(found.v, [0.0, 10.0, 0.0])
     np.testing.assert_allclose(found.s, [30.0 + 0.5 - 10.0, 20.0 + 10.0])
     assert (found.a == 0.0).all()
+
+
+def test_what_is_older_than_the_commands_remembered_is_refused() -> None:
+    law = RoadLaw(BEST_FIXED, CONSTANTS, oldest=0.1)
+    with pytest.raises(ModelError, match=r"is 0.2 s old, more than oldest = 0.1 s"):
+        law.sample(None, Seen(*paper_start(1, 3), 0.2))
