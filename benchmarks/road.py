@@ -220,7 +220,9 @@ def closing_table(setting: Setting) -> None:
                 end = run.vehicles.s.max()
         rows[name] = [f"{after:g} s", f"{end:.1f} m", f"{run.largest.max():.2f} m/s2", f"{run.least.min():.2f} m"]
     table(
-        "Closing up", ["all at most 20 m after", "largest after 60 s", "largest acceleration", "least clearance in 120 s"], rows
+        "Closing up",
+        ["all at most 20 m after", "largest after 60 s", "largest acceleration", "least clearance in 120 s"],
+        rows,
     )
 
 
