@@ -3,26 +3,37 @@
 from .batch import Runs, simulate_many
 from .errors import ModelError, PspError
 from .law.controller import Controller, PaperLaw
+from .law.cooperation import Cooperation, Traffic, cooperative_command
 from .law.feedback import feedback
 from .law.potential import BEST_FIXED, V_OLD, Potential, PotentialParameters, potential, potential_slope
-from .parameters import ObjectiveWeights, PlatoonParameters
+from .parameters import Actuation, ObjectiveWeights, PlatoonParameters
 from .platoon import SampledPlatoon
 from .run import Run
+from .sampling.exact import exact_period
 from .sampling.hold import Plant
 from .sampling.lemma1 import largest_period
 from .sampling.policy import Lemma1Policy, Sampling
+from .sampling.uncertain import Errors, uncertain_period
 from .selection.feasible import max_slope, project, require_feasible
 from .selection.rollout import rollout_costs
 from .selection.selectors import BestOfRollouts, Fixed, FromNetwork, Selection, Selector
 from .simulate import simulate
 from .state import PlatoonState, StartDomain
 from .validate import validate
+from .vehicles.braking import Braking, brake_margin
+from .vehicles.delayed import DelayedVehicles
+from .vehicles.road_law import RoadLaw, Seen
 
 __all__ = [
     "BEST_FIXED",
     "V_OLD",
+    "Actuation",
     "BestOfRollouts",
+    "Braking",
     "Controller",
+    "Cooperation",
+    "DelayedVehicles",
+    "Errors",
     "Fixed",
     "FromNetwork",
     "Lemma1Policy",
@@ -35,13 +46,19 @@ __all__ = [
     "Potential",
     "PotentialParameters",
     "PspError",
+    "RoadLaw",
     "Run",
     "Runs",
     "SampledPlatoon",
     "Sampling",
+    "Seen",
     "Selection",
     "Selector",
     "StartDomain",
+    "Traffic",
+    "brake_margin",
+    "cooperative_command",
+    "exact_period",
     "feedback",
     "largest_period",
     "max_slope",
@@ -52,5 +69,6 @@ __all__ = [
     "rollout_costs",
     "simulate",
     "simulate_many",
+    "uncertain_period",
     "validate",
 ]

@@ -29,6 +29,17 @@ SENTENCES = {
     "w2": "w2 = %.10g must not be negative: it weighs the gaps in J, give it 0 or more",
     "a_ref": "a_ref = %.10g m/s2 must be positive: it scales acceleration in J, give it a value above 0 m/s2",
     "s_ref": "s_ref = %.10g m must be positive: it scales the gaps in J, give it a length above 0 m",
+    "not_negative": "%s = %.10g %s must not be negative: give it 0 %s or more",
+    "feedforward": "feedforward = %.10g must lie in [0, 1]: it is the commanded share of the followed vehicle's "
+    "acceleration",
+    "reach": "%s = %.10g m must exceed %s = %.10g m: raise the one or lower the other",
+    "following": "following = %d must be 1, the nearest vehicle ahead that is not automated, or 2, the predecessor: "
+    "choose one of them",
+    "length": "length[%d] = %.10g m must be positive: give vehicle %d a length above 0 m",
+    "command_limits": "a_min[%d] = %.10g m/s2 must be negative and a_max[%d] = %.10g m/s2 positive: a vehicle has "
+    "to be able to brake and to accelerate",
+    "older": "what is measured is %.10g s old, more than oldest = %.10g s, for which commands are remembered: raise "
+    "oldest, or measure more often",
     "T": "T = %.10g s must be positive: it is the sampling period, give it a time above 0 s",
     "alpha": "alpha = %.10g must lie in [%.10g, %.10g]: choose alpha inside these bounds",
     "r": "r = %.10g m must exceed L = %.10g m and not exceed lambda - 3 m = %.10g m: choose r inside these bounds",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 from typing import Any, TypeVar, cast
 
 Struct = TypeVar("Struct")
@@ -55,6 +56,25 @@ class ObjectiveWeights:
     w2: float = 0.5
     a_ref: float = 4.0
     s_ref: float = 20.0
+
+
+@dataclass(frozen=True)
+class Actuation:
+    """How commands become accelerations (ours: the paper's vehicles do at once what they are told).
+
+    Each field but the first is a number, an array that broadcasts with the vehicles, or a symbol.
+
+    Attributes
+    ----------
+    actuation_delay : time from a command to its first effect, one for all vehicles [s]
+    actuator_lag : time constant of the way from the present acceleration to the commanded one; 0 for none [s]
+    a_min, a_max : limits of the command [m/s2]
+    """
+
+    actuation_delay: float = 0.0
+    actuator_lag: Any = 0.0
+    a_min: Any = -inf
+    a_max: Any = inf
 
 
 def generic(kind: type[Struct], **fields: Any) -> Struct:

@@ -14,8 +14,10 @@ from typing import TypeVar
 import numpy as np
 
 from .errors import ModelError
+from .law.cooperation import Cooperation
+from .law.following import NEAREST, PREDECESSOR
 from .law.potential import PotentialParameters
-from .parameters import HILL_WIDTH, ObjectiveWeights, PlatoonParameters
+from .parameters import HILL_WIDTH, Actuation, ObjectiveWeights, PlatoonParameters
 from .quantities import quantity_of
 from .sampling.policy import Lemma1Policy, Sampling
 from .state import PlatoonState
@@ -28,7 +30,8 @@ def validate(struct: Struct) -> Struct:
 
     Parameters
     ----------
-    struct : PlatoonParameters, ObjectiveWeights, PotentialParameters, Sampling, or a PlatoonState with its constants
+    struct : PlatoonParameters, ObjectiveWeights, PotentialParameters, Sampling, Cooperation, Actuation, or a
+        PlatoonState with its constants
 
     Returns
     -------
@@ -82,6 +85,35 @@ def _(weights: ObjectiveWeights) -> None:
 @_check.register
 def _(shape: PotentialParameters) -> None:
     _require_finite(shape, ("alpha", "r", "p"))
+
+
+@_check.register
+def _(cooperation: Cooperation) -> None:
+    scalars = ("kappa", "kappa_reach", "time_gap", "feedforward", "closing_speed", "closing_spacing", "closing_reach")
+    _require_finite(cooperation, scalars)
+    for name in ("kappa", "time_gap", "closing_speed"):
+        value, unit = getattr(cooperation, name), quantity_of(name).unit
+        _require(value >= 0, "not_negative", name, value, unit, unit)
+    _require(0 <= cooperation.feedforward <= 1, "feedforward", cooperation.feedforward)
+    _require(cooperation.following in (NEAREST, PREDECESSOR), "following", cooperation.following)
+    spacing, reach = cooperation.closing_spacing, cooperation.closing_reach
+    _require(reach > spacing, "reach", "closing_reach", reach, "closing_spacing", spacing)
+    for i, length in enumerate(np.ravel([] if cooperation.length is None else cooperation.length).tolist(), start=1):
+        _require(isfinite(length), "finite", f"length[{i}]", length, "m")
+        _require(length > 0, "length", i, length, i)
+
+
+@_check.register
+def _(actuation: Actuation) -> None:
+    delay = actuation.actuation_delay
+    _require(isfinite(delay), "finite", "actuation_delay", delay, "s")
+    _require(delay >= 0, "not_negative", "actuation_delay", delay, "s", "s")
+    for i, lag in enumerate(np.ravel(actuation.actuator_lag).tolist(), start=1):
+        _require(isfinite(lag), "finite", f"actuator_lag[{i}]", lag, "s")
+        _require(lag >= 0, "not_negative", f"actuator_lag[{i}]", lag, "s", "s")
+    limits = np.broadcast_arrays(np.ravel(actuation.a_min), np.ravel(actuation.a_max))
+    for i, (least, most) in enumerate(zip(*(one.tolist() for one in limits), strict=True), start=1):
+        _require(least < 0 < most, "command_limits", i, least, i, most)
 
 
 @_check.register

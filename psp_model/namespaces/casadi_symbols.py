@@ -45,3 +45,13 @@ def abs(vector: Any) -> Any:
 def sqrt(vector: Any) -> Any:
     """The square root of `vector`, element by element."""
     return casadi.sqrt(vector)
+
+
+def expm1(vector: Any) -> Any:
+    """exp(`vector`) - 1 without cancellation, element by element."""
+    return casadi.expm1(vector)
+
+
+def log(vector: Any) -> Any:
+    """The natural logarithm of `vector`, element by element."""
+    return casadi.log(vector)

@@ -10,6 +10,7 @@ from . import (
     many_instances,
     many_loads,
     omega_runs,
+    road_truth,
     sanitized,
     saved_states,
     ten_hours,
@@ -53,6 +54,15 @@ TRIALS = (
         count=250_000,
         short=5_000,
         tell=lemma1_truth.tell,
+    ),
+    Trial(
+        "road-truth",
+        "no platoon leaves Omega within a period certified from late, uncertain measurements",
+        road_truth.run,
+        chunks=8,
+        count=125_000,
+        short=5_000,
+        tell=road_truth.tell,
     ),
     Trial(
         "abuse",

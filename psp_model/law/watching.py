@@ -1,0 +1,62 @@
+"""What a controller remembers of other vehicles: their speeds, and what it concludes from them (ours)."""
+
+from __future__ import annotations
+
+from math import exp
+from typing import Any, NamedTuple
+
+from ..namespaces import array_namespace
+
+ESTIMATE_TIME = 0.2  # [s] an estimated acceleration follows speed differences with this time constant (ours)
+CLOSING_TIME = 2.0  # [s] closing up sets in, and ends, with this time constant (ours)
+
+
+class Watched(NamedTuple):
+    """What is remembered from one sampling instant to the next.
+
+    Attributes
+    ----------
+    v : (n, ...) speeds measured last [m/s]
+    a : (n, ...) accelerations estimated from them [m/s2]
+    closing : (n, ...) what closing up adds to the desired speeds [m/s]
+    """
+
+    v: Any
+    a: Any
+    closing: Any
+
+
+def watch(before: Watched | None, v: Any, wanted: Any, T: float) -> Watched:
+    """What is remembered after another sampling instant (ours).
+
+    Parameters
+    ----------
+    before : what was remembered at the last one, None at the first
+    v : (n, ...) speeds measured [m/s]
+    wanted : (n, ...) what closing up would add if it were engaged at once, from `closing_speeds` [m/s]
+    T : time since the last one [s]
+    """
+    if before is None:
+        return Watched(v, 0.0 * v, 0.0 * v)
+    estimate = before.a + (1.0 - exp(-T / ESTIMATE_TIME)) * ((v - before.v) / T - before.a)
+    return Watched(v, estimate, before.closing + (1.0 - exp(-T / CLOSING_TIME)) * (wanted - before.closing))
+
+
+def accelerations(watched: Watched, measured: Any, known: Any) -> Any:
+    """The acceleration of each vehicle that drives itself: communicated where known, else estimated (ours).
+
+    Parameters
+    ----------
+    watched : what is remembered
+    measured : (n, ...) accelerations communicated [m/s2], None for none
+    known : (n, ...) 1 where they are, 0 else; None where all are
+
+    Returns
+    -------
+    (n, ...) array [m/s2]
+    """
+    if measured is None:
+        return watched.a
+    if known is None:
+        return measured + 0.0 * watched.a
+    return array_namespace(watched.a).where(known + 0.0 * watched.a > 0.5, measured, watched.a)

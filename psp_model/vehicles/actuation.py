@@ -1,0 +1,246 @@
+"""Vehicles that act late and softly: dead time, first-order lag, limits, standstill; in closed form (ours)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import expm1
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..law.cooperation import is_off
+from ..namespaces import array_namespace
+from ..parameters import Actuation
+
+NEWTON_STEPS = 30  # from the convex side of one root: more than double precision needs
+
+
+class Actuators(NamedTuple):
+    """State of all actuators of a platoon.
+
+    Attributes
+    ----------
+    a : (n, ...) accelerations that they give [m/s2]
+    command : (n, ...) commands in effect [m/s2]
+    queue : commands on their way, the first to take effect first, each with the time until then [s]
+    """
+
+    a: Any
+    command: Any
+    queue: tuple[tuple[float, Any], ...] = ()
+
+
+class Foreign(NamedTuple):
+    """Vehicles that drive themselves.
+
+    Attributes
+    ----------
+    automated : (n, ...) array, 0 for these, 1 for the others
+    a : (n, ...) array, accelerations, of which theirs count; held [m/s2]
+    """
+
+    automated: Any
+    a: Any
+
+
+def at_rest(v: Any) -> Actuators:
+    """Actuators before the first command: they hold 0 (ours).
+
+    Parameters
+    ----------
+    v : (n, ...) array, speeds [m/s]
+    """
+    return Actuators(0.0 * v, 0.0 * v)
+
+
+def commanded(actuators: Actuators, a: Any, actuation: Actuation, ago: float = 0.0) -> Actuators:
+    """The actuators once a command has been given (ours).
+
+    Parameters
+    ----------
+    a : (n, ...) accelerations commanded [m/s2]
+    ago : minus the time until it is given [s]
+    """
+    return actuators._replace(queue=(*actuators.queue, (actuation.actuation_delay - ago, a)))
+
+
+def drive(
+    v: Any, actuators: Actuators, actuation: Actuation, tau: float, foreign: Foreign | None = None
+) -> tuple[Any, Any, Actuators]:
+    """Speeds after a time tau, distances travelled, and the actuators then: exact (ours).
+
+    Parameters
+    ----------
+    v : (n, ...) array, speeds [m/s], not negative
+    tau : time [s]
+
+    Returns
+    -------
+    v : (n, ...) array [m/s], not negative: vehicles brake to standstill and stand
+    moved : (n, ...) array [m]
+    actuators : their state
+    """
+    moved, a = 0.0 * v, actuators.a
+    for span, command in segments(actuators, tau):
+        given = limited(command, actuation)
+        if foreign is not None:
+            xp = array_namespace(v)
+            own = foreign.automated > 0.5
+            given, a = xp.where(own, given, foreign.a), xp.where(own, a, foreign.a)
+        v, further, a = ride(v, a, given, actuation.actuator_lag, span)
+        moved = moved + further
+    return v, moved, _later(actuators, a, tau)
+
+
+def settle(actuators: Actuators, actuation: Actuation, tau: float) -> Actuators:
+    """The actuators a time tau later; nothing but their own state counts (ours).
+
+    Parameters
+    ----------
+    tau : time [s]
+    """
+    a = actuators.a
+    for span, command in segments(actuators, tau):
+        given = limited(command, actuation)
+        a = given + (a - given) * (1.0 - _decay(a, actuation.actuator_lag, span)[0])
+    return _later(actuators, a, tau)
+
+
+def segments(actuators: Actuators, tau: float) -> Iterator[tuple[float, Any]]:
+    """How long which command is in effect, for a time tau from now on (ours).
+
+    Parameters
+    ----------
+    tau : time [s]
+    """
+    now, command = 0.0, actuators.command
+    for due, following in actuators.queue:
+        if due > tau:
+            break
+        if due > now:
+            yield due - now, command
+            now = due
+        command = following
+    yield tau - now, command
+
+
+def limited(command: Any, actuation: Actuation) -> Any:
+    """The command inside the limits of the vehicles (ours).
+
+    Parameters
+    ----------
+    command : (n, ...) array [m/s2]
+    """
+    xp = array_namespace(command)
+    return xp.minimum(xp.maximum(command, actuation.a_min), actuation.a_max)
+
+
+def _later(actuators: Actuators, a: Any, tau: float) -> Actuators:
+    """The actuators with another acceleration, and the queue a time tau later."""
+    reached = [command for due, command in actuators.queue if due <= tau]
+    left = tuple((due - tau, command) for due, command in actuators.queue if due > tau)
+    return Actuators(a, reached[-1] if reached else actuators.command, left)
+
+
+def ride(v: Any, a: Any, command: Any, lag: Any, span: Any) -> tuple[Any, Any, Any]:
+    """v' = a, lag a' = command - a while v > 0; a vehicle that has stopped stands until a rises above 0 (ours).
+
+    v(t) = v + t command + (a - command) lag (1 - exp(-t / lag)), and a lag of 0 gives v + t command.
+
+    Parameters
+    ----------
+    v, a : (n, ...) speeds [m/s], not negative, and accelerations [m/s2]
+    command : (n, ...) array, held [m/s2]
+    lag : time constants, numbers or (n, ...) array, 0 for none [s]
+    span : time [s]
+
+    Returns
+    -------
+    v, moved, a : (n, ...) arrays a time span later [m/s], [m], [m/s2]; a is the actuators', also at standstill
+    """
+    xp = array_namespace(v)
+    begins, decay, kept = _begins(a, command, lag), *_decay(a, lag, span)
+    excess = a - command
+    then = v + span * command + excess * kept
+    after = command + excess * (1.0 - decay)
+    moved = span * (v + 0.5 * span * command) + excess * (lag * (span - kept))
+    lowest = v + span * xp.minimum(xp.minimum(begins, command), 0.0)
+    if isinstance(lowest, np.ndarray) and lowest.min() >= 0.0:
+        return then, moved, after
+    return (*_with_stop(v, begins, command, lag, span, then, moved), after)
+
+
+def _begins(a: Any, command: Any, lag: Any) -> Any:
+    """The acceleration with which a ride begins: the command at once where there is no lag."""
+    if isinstance(lag, int | float):
+        return a if lag > 0.0 else command
+    return array_namespace(a).where(lag + 0.0 * a > 0.0, a, command)
+
+
+def _decay(a: Any, lag: Any, span: Any) -> tuple[Any, Any]:
+    """1 - exp(-span / lag), and lag times that; 1 and 0 without a lag."""
+    if is_off(lag):
+        return 1.0, 0.0
+    if isinstance(lag, int | float) and isinstance(span, int | float):
+        gone = -expm1(-span / lag)
+        return gone, lag * gone
+    xp = array_namespace(a)
+    lag = lag + 0.0 * a
+    gone = xp.where(lag > 0.0, -xp.expm1(-span / xp.where(lag > 0.0, lag, 1.0)), 1.0)
+    return gone, lag * gone
+
+
+def uninterrupted(v: Any, a: Any, command: Any, lag: Any, span: Any) -> tuple[Any, Any]:
+    """Speed and distance of a vehicle that may reverse (ours).
+
+    Parameters
+    ----------
+    v, a, command, lag, span : as for `ride`; without a lag a is the command
+
+    Returns
+    -------
+    speed, distance : arrays [m/s], [m]
+    """
+    if is_off(lag):
+        return v + span * command, span * (v + 0.5 * span * command)
+    _, kept = _decay(a, lag, span)
+    excess = a - command
+    then = v + span * command + excess * kept
+    return then, span * (v + 0.5 * span * command) + excess * lag * (span - kept)
+
+
+def _with_stop(v: Any, a: Any, command: Any, lag: Any, span: Any, then: Any, moved: Any) -> tuple[Any, Any]:
+    """Speed and distance where vehicles may come to a stop on the way, and may drive off again."""
+    xp = array_namespace(v)
+    again = (a < 0.0) * (command > 0.0)  # braking still, but told to drive off; symbols know no &
+    turn = lag * xp.log(xp.where(again, 1.0 - a / xp.where(again, command, 1.0), 1.0))
+    low = xp.where(again, xp.minimum(turn, span), span)  # where the speed is least, besides now
+    stops = uninterrupted(v, a, command, lag, low)[0] < 0.0
+    stop = first_stop(v, a, command, lag, xp.where(stops, low, 0.0))
+    gone = xp.where(again * stops, xp.maximum(span - turn, 0.0), 0.0)
+    speed, further = uninterrupted(0.0 * v, 0.0 * a, command, lag, gone)
+    until = uninterrupted(v, a, command, lag, stop)[1]
+    return xp.where(stops, xp.maximum(speed, 0.0), xp.maximum(then, 0.0)), xp.where(stops, until + further, moved)
+
+
+def first_stop(v: Any, a: Any, command: Any, lag: Any, low: Any) -> Any:
+    """When the speed falls to 0, by Newton's method from the side where it is monotone (ours).
+
+    Parameters
+    ----------
+    v, a, command, lag : as for `ride`; without a lag a is the command
+    low : a time at which the speed is not above 0 [s]
+
+    Returns
+    -------
+    array [s]
+    """
+    xp = array_namespace(v)
+    t = xp.where(a < command, 0.0 * low, low)
+    for _ in range(NEWTON_STEPS):
+        decay, _ = _decay(a, lag, t)
+        slope = command + (a - command) * (1.0 - decay)
+        speed, _ = uninterrupted(v, a, command, lag, t)
+        step = xp.where(slope < 0.0, speed / xp.where(slope < 0.0, slope, -1.0), 0.0)
+        t = xp.minimum(xp.maximum(t - step, 0.0), low)
+    return t
