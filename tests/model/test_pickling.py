@@ -37,8 +37,8 @@ from psp_model import (
 from psp_model.callbacks import silent
 from psp_model.controller import BadMeasurement, ControllerSettings, Measurement, SampledController
 from psp_model.membership import OpenPlatoon, Refusal
+from psp_model.sampling.hold import IDEAL
 from psp_model.selection.network import ParameterNetwork, read_networks
-from psp_model.selection.rollout import Shapes
 from psp_model.selection.selectors import ParameterSource, Request
 from psp_model.vehicles.ideal import IdealPlant
 from psp_model.vehicles.leader import Profile, Wave
@@ -88,7 +88,7 @@ def start_of(vehicles: int, seed: int, constants: PlatoonParameters | None = Non
 def platoon(policy: Lemma1Policy = Lemma1Policy.ERROR, T: float = 0.01, warn: Any = hear) -> SampledPlatoon:
     """A platoon between two sampling instants; under policy 2 with T = 0.08 s it warns two periods later."""
     old = policy is Lemma1Policy.SHORTEN
-    made = SampledPlatoon(start_of(4, 3), V_OLD if old else BEST_FIXED, sampling=Sampling(T, policy), warn=warn)
+    made = SampledPlatoon.begin(start_of(4, 3), V_OLD if old else BEST_FIXED, sampling=Sampling(T, policy), warn=warn)
     made.advance_to(7, 0.3)
     return made
 
@@ -107,7 +107,7 @@ def controller(**settings: Any) -> SampledController:
     """A controller that has decided a few times, once on bad measurements."""
     networks = read_networks(NETWORKS, {7: "platoon_7_mse.onnx"})
     told = ControllerSettings(7, bad_input=BadMeasurement.SAFE_ACTION, a_max=3.0, **settings)
-    made = SampledController(told, networks, hear)
+    made = SampledController.begin(told, networks, hear)
     decisions(made, range(3))
     return made
 
@@ -147,15 +147,16 @@ def plant() -> IdealPlant:
 
 
 def open_platoon() -> OpenPlatoon:
-    made = OpenPlatoon(platoon(), 6, fixed)
-    assert made.insert(4, 12.0, 30.0, 7, 0.3) is None
+    made, refused = OpenPlatoon.begin(platoon(), 6, fixed).insert(4, 12.0, 30.0, 7, 0.3)
+    assert refused is None
     return made
 
 
 def changes(made: OpenPlatoon) -> list[Any]:
-    refused = made.insert(1, 0.5, 30.0, 7, 0.3)
+    _, refused = made.insert(1, 0.5, 30.0, 7, 0.3)
     made.platoon.advance_to(20, 0.0)
-    return [refused, made.remove(2, 20, 0.0), made.vehicles, future(made.platoon)]
+    after, left = made.remove(2, 20, 0.0)
+    return [refused, left, after.vehicles, future(after.platoon)]
 
 
 def speeds(leader: Any) -> list[float]:
@@ -208,8 +209,7 @@ EXAMPLES: dict[str, Example] = {
     "Wave": (lambda: Wave(31.0, 22.0, 4.0, 30.0), speeds),
     "Profile": (lambda: Profile([0.0, 4.0, 50.0], [30.0, 21.5, 33.0], "mine"), speeds),
     "IdealPlant": (plant, driven),
-    "Motion": (lambda: plant().now, lambda made: made.after(np.array([1.0, 0.0, -1.0]), 0.3)),
-    "Shapes": (lambda: Shapes(*np.arange(8.0).reshape(4, 2)), ITSELF),
+    "Motion": (lambda: plant().now, lambda made: IDEAL.advance(made, np.array([1.0, 0.0, -1.0]), 0.3)),
 }
 """For each public class of the model an object, and what that object does."""
 
@@ -227,10 +227,13 @@ def test_what_arrives_does_the_same_and_leaves_the_original_alone(name: str, tri
         assert plain(does(original)) == expected
 
 
+OF_AN_EXTRA = ("psp_model.offline", "psp_model.selection.search", "psp_model.namespaces.casadi_symbols")
+
+
 def _public_classes() -> Iterator[type]:
     """The classes that the modules of the model define, but for protocols, exceptions and what is inherited only."""
-    for module in pkgutil.iter_modules(psp_model.__path__, "psp_model."):
-        if module.ispkg or module.name == "psp_model.namespaces.casadi_symbols":  # offline; of an extra
+    for module in pkgutil.walk_packages(psp_model.__path__, "psp_model."):
+        if module.name.startswith(OF_AN_EXTRA):
             continue
         for name, one in vars(importlib.import_module(module.name)).items():
             if isinstance(one, type) and one.__module__ == module.name and not name.startswith("_"):
@@ -259,7 +262,7 @@ def test_a_run_goes_on_bit_for_bit_wherever_it_was_interrupted(seed: int) -> Non
     rng = np.random.default_rng(seed)
     start = start_of(int(rng.integers(2, 10)), seed)
     sampling = Sampling(float(rng.uniform(0.002, 0.03)), Lemma1Policy.SHORTEN)
-    interrupted, whole = (SampledPlatoon(start, V_OLD, sampling=sampling) for _ in range(2))
+    interrupted, whole = (SampledPlatoon.begin(start, V_OLD, sampling=sampling) for _ in range(2))
     for period in np.cumsum(rng.integers(0, 20, 12)).tolist():
         at = (period, float(rng.uniform(0.0, 1.0)))
         trip = list(TRIPS.values())[int(rng.integers(len(TRIPS)))]
@@ -282,7 +285,7 @@ class Messages:
 
 def test_copies_keep_any_callback() -> None:
     for warn in (lambda sentence: None, [].append, Messages(lambda: 0).hear, hear):
-        for made in (platoon(warn=warn), SampledController(ControllerSettings(3), {}, warn)):
+        for made in (platoon(warn=warn), SampledController.begin(ControllerSettings(3), {}, warn)):
             assert copy(made).warn is deepcopy(made).warn is made.warn
 
 
@@ -294,7 +297,7 @@ def test_a_pickle_keeps_the_callback_where_it_can(protocol: int) -> None:
     assert again(platoon()).warn is hear and again(platoon(warn=silent)).warn is silent
     with Path(__file__).open() as file:
         for warn in (lambda sentence: None, Messages(file).hear, Messages(lambda: 0).hear):
-            for made in (platoon(warn=warn), SampledController(ControllerSettings(3), {}, warn)):
+            for made in (platoon(warn=warn), SampledController.begin(ControllerSettings(3), {}, warn)):
                 assert again(made).warn is silent and made.warn is warn
     messages: list[str] = []
     original = platoon(Lemma1Policy.WARN, 0.08, messages.append)
