@@ -13,10 +13,9 @@ from ..interface.controller_variables import controller_table
 from ..interface.documentation import index_page
 from ..interface.model_description import Component, model_description
 from ..interface.variables import Variable, platoon_table
+from ..networks import NetworkFile, notes_on_networks
 from ..pack.archive import content_digest, guid_of, write_fmu
 from ..pack.ecosystem import layered_standard, reference_results
-from ..python.build import NetworkFile, notes_on_networks
-from ..python.components import CONTROLLER
 from ..toolchain.compile import ENDINGS, FRONT, SOURCES, compile_library, fmi_headers, host_platform, prefix_header
 from .kernels import kernels_header
 from .tables import model_header, network_header, table_header

@@ -9,7 +9,8 @@ from typing import Any
 from psp_model.vehicles.leader import read_profile
 
 from ..interface.controller_variables import controller_table, leader_table, plant_table
-from .build import NEEDS, NetworkFile, notes_on_networks, pack_slave
+from ..networks import NetworkFile, notes_on_networks
+from .build import NEEDS, pack_slave
 
 CONTROLLER = "Commands accelerations to a platoon of vehicles from their measured gaps and speeds"
 
