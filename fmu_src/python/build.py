@@ -13,7 +13,8 @@ from psp_model.installed.files import licence
 
 from ..interface.documentation import index_page
 from ..interface.model_description import Component, model_description
-from ..interface.variables import Variable, platoon_table
+from ..interface.platoon import DESCRIPTION, platoon_table
+from ..interface.variables import Variable
 from ..networks import NetworkFile, notes_on_networks
 from ..pack.archive import content_digest, guid_of, write_fmu
 from ..pack.ecosystem import layered_standard, reference_results
@@ -21,9 +22,6 @@ from .packages import model_sources, renamed, slave_module
 from .table_slave import CONFIG
 
 NAME = "PspPlatoon"
-DESCRIPTION = (
-    "A platoon of automated vehicles on one lane, under sampled feedback from performance-sensitive potentials"
-)
 NEEDS = (
     "Needs from outside: a 64-bit Python 3.11 or later with numpy and onnxruntime (resources/requirements.txt), on "
     "Linux or Windows: a Python host lends its own, other hosts find the python3 that is first on PATH."

@@ -14,7 +14,7 @@ from psp_model.errors import ModelError
 from psp_model.sampling.clock import Clock
 from psp_model.selection.network import read_networks
 
-from ..interface.controller_variables import controller_table
+from ..interface.controller import controller_table
 from ..interface.meaning import constants_of, weights_of
 from ..interface.variables import Variable
 from .state_check import bound, clock, count, flag, number, potential, record, require, variables, vector

@@ -12,7 +12,7 @@ from psp_model.errors import ModelError
 from psp_model.sampling.clock import Clock
 from psp_model.vehicles.leader import Profile, Wave, read_profile
 
-from ..interface.controller_variables import leader_table
+from ..interface.leader import leader_table
 from ..interface.variables import Variable
 from .state_check import flag, record, restored_basics
 from .table_slave import TableSlave, logged
