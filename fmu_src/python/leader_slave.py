@@ -22,7 +22,7 @@ _SECOND = 1.0  # [s] the period of its clock: it samples nothing, but meets whol
 
 
 class PspLeader(TableSlave):
-    """A speed over time; see `psp_model.vehicles.leader.Wave` and, with a file in the FMU, `psp_model.vehicles.leader.Profile`."""
+    """A speed over time; see `Wave` and, with a file in the FMU, `Profile` in `psp_model.vehicles.leader`."""
 
     _part: Callable[[float], float] | None
 
