@@ -36,6 +36,7 @@ from psp_model import (
 )
 from psp_model.callbacks import silent
 from psp_model.choose import ParameterSource, Request
+from psp_model.clock import Clock
 from psp_model.controller import BadMeasurement, ControllerSettings, Measurement, SampledController
 from psp_model.leader import Profile, Wave
 from psp_model.membership import OpenPlatoon, Refusal
@@ -207,6 +208,10 @@ EXAMPLES: dict[str, Example] = {
     ),
     "Wave": (lambda: Wave(31.0, 22.0, 4.0, 30.0), speeds),
     "Profile": (lambda: Profile([0.0, 4.0, 50.0], [30.0, 21.5, 33.0], "mine"), speeds),
+    "Clock": (
+        lambda: Clock.begin(3.5, 0.002, 0.01).after(3.5, 0.037, 0.01),
+        lambda made: made.after(3.537, 0.02, 0.01),
+    ),
     "IdealPlant": (plant, driven),
     "Motion": (lambda: plant().now, lambda made: made.after(np.array([1.0, 0.0, -1.0]), 0.3)),
     "Shapes": (lambda: Shapes(*np.arange(8.0).reshape(4, 2)), ITSELF),
