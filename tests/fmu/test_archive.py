@@ -10,7 +10,7 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from build_fmu import main as build
-from fmu_src.interface.variables import platoon_table
+from fmu_src.interface.platoon import platoon_table
 
 
 @pytest.fixture(scope="module")
