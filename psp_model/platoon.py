@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -32,8 +32,7 @@ from .state import PlatoonState
 from .validate import validate
 
 
-@dataclass(frozen=True, eq=False)
-class Observation:
+class Observation(NamedTuple):
     """The platoon at some time, as the FMU puts it out.
 
     Attributes
@@ -68,7 +67,7 @@ def loop_of(
     return Loop(controller(shape, constants), weights, sampling.T, shorten, plant)
 
 
-@dataclass
+@dataclass(eq=False)
 class SampledPlatoon(Warns):
     """n vehicles under sampled-data feedback; what happens at the sampling instants is independent of who looks when.
 
@@ -196,14 +195,15 @@ class SampledPlatoon(Warns):
             to go back to, None if none was passed
         """
         short, to, self.partway = 0, (period, fraction), None
-        while (now := self.now).ends <= to:
-            if now.fraction + now.span < 1.0:
+        while (ends := (now := self.now).ends) <= to:
+            if ends[1] > 0.0:
                 short += 1
                 if short > self.sampling.max_short_periods or now.span <= SHORTEST:
                     time = (now.period + now.fraction) * self.loop.T
                     raise ModelError("short_periods", self.sampling.max_short_periods, time, now.T_max)
             self.now, verdict = step(self.loop, now)
-            self._act(now, self.now, verdict)
+            if verdict is not Verdict.CERTIFIED:
+                self._act(now, self.now, verdict)
             self.partway = self.now
 
     def observe(self, period: int, fraction: float) -> Observation:
@@ -218,4 +218,4 @@ class SampledPlatoon(Warns):
         vehicles, cost = (now.vehicles, now.cost) if tau == 0.0 else after(self.loop, now, tau)
         behind = np.empty(vehicles.v.size)
         behind[0], behind[1:] = vehicles.x, vehicles.s
-        return Observation(np.subtract.accumulate(behind), vehicles.s, vehicles.v, now.a, cost)
+        return Observation(np.subtract.accumulate(behind), vehicles.s, vehicles.v, now.a, np.array(cost))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +17,13 @@ from ..errors import ModelError
 from ..law.controller import Controller
 from ..law.potential import Potential
 from ..parameters import ObjectiveWeights
+from ..state import seal
 from .hold import IDEAL, Plant
 from .lemma1 import violation
 from .period import decide, hold
 
 Vector = NDArray[np.float64]
+Cost = tuple[float, float]
 
 SHORTEST = 2.0**-60  # [sampling periods] no period is cut further than this
 
@@ -54,8 +56,7 @@ class Loop:
     plant: Plant[Any] = IDEAL
 
 
-@dataclass(frozen=True, eq=False)
-class Instant:
+class Instant(NamedTuple):
     """Everything the loop knows at a sampling instant, just after sampling; the whole state of a run.
 
     Attributes
@@ -66,7 +67,7 @@ class Instant:
     T_max : Lemma 1's bound [s]
     span : how long a is held [sampling periods]
     violations : sampling instants so far at which T >= T_max
-    cost : (2,) the two terms of J so far, of acceleration and of spacings
+    cost : the two terms of J so far, of acceleration and of spacings
     memory : what the controller remembers
     """
 
@@ -77,7 +78,7 @@ class Instant:
     T_max: float
     span: float
     violations: int
-    cost: Vector
+    cost: Cost
     memory: Any = None
 
     @property
@@ -112,7 +113,7 @@ def begin(loop: Loop, x: float, s: Vector, v: Vector) -> tuple[Instant, Verdict]
     loop : what it is made of
     x, s, v : position of the leader [m], (n-1,) spacings [m], all above L, and (n,) speeds [m/s]
     """
-    return _sampled(loop, (0, 0.0), loop.plant.begin(x, s, v), None, 0, np.zeros(2))
+    return _sampled(loop, (0, 0.0), loop.plant.begin(x, s, v), None, 0, (0.0, 0.0))
 
 
 def step(loop: Loop, now: Instant) -> tuple[Instant, Verdict]:
@@ -160,7 +161,7 @@ def resample(
     return _sampled(loop, at, vehicles, None, violations, cost)
 
 
-def after(loop: Loop, now: Instant, tau: float) -> tuple[Any, Vector]:
+def after(loop: Loop, now: Instant, tau: float) -> tuple[Any, Cost]:
     """State of the plant and terms of J a time tau after a sampling instant (ours).
 
     Parameters
@@ -169,7 +170,7 @@ def after(loop: Loop, now: Instant, tau: float) -> tuple[Any, Vector]:
     tau : time [s]
     """
     vehicles, added = hold(loop.plant, now.vehicles, now.a, tau, loop.weights)
-    return vehicles, now.cost + np.array(added)
+    return vehicles, (now.cost[0] + added[0], now.cost[1] + added[1])
 
 
 def refusal(loop: Loop, now: Instant, verdict: Verdict) -> ModelError:
@@ -203,22 +204,23 @@ def _is_outside(loop: Loop, vehicles: Any) -> bool:
     return not loop.shorten and not (vehicles.s > loop.controller.constants.L).all()
 
 
-def _outside(now: Instant, at: tuple[int, float], vehicles: Any, cost: Vector) -> tuple[Instant, Verdict]:
+def _outside(now: Instant, at: tuple[int, float], vehicles: Any, cost: Cost) -> tuple[Instant, Verdict]:
     """The instant at which the law is not defined: nothing is decided anew."""
-    return replace(now, period=at[0], fraction=at[1], vehicles=vehicles, cost=cost), Verdict.OUTSIDE
+    return now._replace(period=at[0], fraction=at[1], vehicles=vehicles, cost=cost), Verdict.OUTSIDE
 
 
 def _sampled(
-    loop: Loop, at: tuple[int, float], vehicles: Any, memory: Any, violations: int, cost: Vector
+    loop: Loop, at: tuple[int, float], vehicles: Any, memory: Any, violations: int, cost: Cost
 ) -> tuple[Instant, Verdict]:
     """The sampling instant at a time: commands, T_max, and how long the commands are held."""
-    decided = decide(loop.controller, memory, vehicles)
-    T_max = float(decided.T_max)
+    memory, a, T_max = decide(loop.controller, memory, vehicles)
+    T_max = float(T_max)
     certified, span = T_max > loop.T, 1.0
     if loop.shorten:
         while not span * loop.T < T_max and span > SHORTEST:
             span *= 0.5
     span = min(span, 1.0 - at[1])  # the next nominal instant is one in any case
     count = violations + (not certified)
-    now = Instant(*at, vehicles, decided.a, T_max, span, count, cost, decided.memory)
+    seal(vehicles.s, vehicles.v, a)
+    now = Instant(*at, vehicles, a, T_max, span, count, cost, memory)
     return now, Verdict.CERTIFIED if certified else Verdict.NOT_CERTIFIED
