@@ -15,7 +15,8 @@ from functools import partial
 from pathlib import Path
 
 from fmu_src.errors import BuildError
-from fmu_src.python.build import NetworkFile, build_python_fmu, networks_up_to
+from fmu_src.networks import NetworkFile, networks_up_to
+from fmu_src.python.build import build_python_fmu
 from psp_model import ModelError, PspError
 from psp_model.installed.extras import BRINGS, require
 

@@ -17,7 +17,7 @@ from pathlib import Path
 from fmpy import extract, read_model_description
 
 from build_fmu import main as build
-from fmu_src.toolchain.compile import ENDINGS, FLAGS, FMI_HEADERS, compile_library, host_platform
+from fmu_src.toolchain.compile import ENDINGS, FLAGS, FMI_HEADERS, SOURCES, compile_library, host_platform
 
 from .worker import Worker
 
@@ -112,7 +112,7 @@ def _empty(kind: str, vehicles: int, folder: Path) -> Fmu:
     """An FMU that does nothing, with the outputs of the platoon FMU."""
     outputs = fmu(kind.split()[1], vehicles).outputs
     if kind == "empty native":
-        files = {"empty_fmu.c": (HOSTS / "empty_fmu.c").read_bytes()}
+        files = {path.name: path.read_bytes() for path in (HOSTS / "empty_fmu.c", SOURCES / "fmi2Functions.h")}
         platform = host_platform()
         library = folder / "binaries" / platform / f"Empty.{ENDINGS[platform]}"
         library.parent.mkdir(parents=True)

@@ -20,7 +20,7 @@ def parameter_units(vehicles: int) -> dict[str, str]:
     ----------
     vehicles : n
     """
-    from fmu_src.interface.variables import platoon_table
+    from fmu_src.interface.platoon import platoon_table
 
     fixed = {"n_start"}  # a command knows how many vehicles there are
     rows = platoon_table(vehicles)
@@ -83,7 +83,7 @@ def setup(values: Mapping[str, float], vehicles: int, has_network: bool = True) 
     BadInput : where a selector has no such choice
     """
     from fmu_src.interface.meaning import constants_of, request_of, sampling_of, start_of, weights_of
-    from fmu_src.interface.variables import platoon_table
+    from fmu_src.interface.platoon import platoon_table
     from psp_model.analysis.cases import Setup
 
     table = platoon_table(vehicles, default_source=1 if has_network else 2)

@@ -47,15 +47,15 @@ def result(name: str) -> str:
 
 def variables() -> str:
     """The table of FMI variables of `PspPlatoon`."""
-    from fmu_src.interface.variables import platoon_table
+    from fmu_src.interface.platoon import platoon_table
 
     return _rows(platoon_table(_VEHICLES))
 
 
 def controller_variables() -> str:
     """The inputs and outputs of `PspController`, and the parameters that it alone has."""
-    from fmu_src.interface.controller_variables import controller_table
-    from fmu_src.interface.variables import platoon_table
+    from fmu_src.interface.controller import controller_table
+    from fmu_src.interface.platoon import platoon_table
 
     known = {row.name for row in platoon_table(_VEHICLES) if row.causality == "parameter"}
     return _rows([row for row in controller_table(_VEHICLES) if row.name not in known])
@@ -63,7 +63,7 @@ def controller_variables() -> str:
 
 def joining_variables() -> str:
     """What `PspPlatoon` has for vehicles that join and leave."""
-    from fmu_src.interface.variables import joining_names, platoon_table
+    from fmu_src.interface.platoon import joining_names, platoon_table
 
     return _rows([row for row in platoon_table(_VEHICLES) if row.name in joining_names(_VEHICLES)])
 

@@ -9,23 +9,19 @@ from pathlib import Path
 
 from psp_model.installed.files import licence
 
-from ..interface.controller_variables import controller_table
+from ..interface import controller, platoon
 from ..interface.documentation import index_page
 from ..interface.model_description import Component, model_description
-from ..interface.variables import Variable, platoon_table
+from ..interface.variables import Variable
+from ..networks import NetworkFile, notes_on_networks
 from ..pack.archive import content_digest, guid_of, write_fmu
 from ..pack.ecosystem import layered_standard, reference_results
-from ..python.build import NetworkFile, notes_on_networks
-from ..python.components import CONTROLLER
 from ..toolchain.compile import ENDINGS, FRONT, SOURCES, compile_library, fmi_headers, host_platform, prefix_header
 from .kernels import kernels_header
 from .tables import model_header, network_header, table_header
 
 PLATFORMS = ("linux64", "win64", "darwin64")
-DESCRIPTION = (
-    "A platoon of automated vehicles on one lane, under sampled feedback from performance-sensitive potentials; needs "
-    "nothing but itself"
-)
+_ALONE = "needs nothing but itself"
 NEEDS = "Needs nothing from outside.  sources/ holds the C sources; `fmpy compile` builds them for other platforms."
 _CAPABILITIES = ("canNotUseMemoryManagementFunctions", "canGetAndSetFMUstate", "canSerializeFMUstate")
 _HERE = Path(__file__).parent
@@ -111,11 +107,11 @@ def native_platoon(vehicles: int, networks: Mapping[int, NetworkFile]) -> Native
     vehicles : most vehicles N, at least 2
     networks : from `networks_up_to`; without one for N parameter_source starts at 2
     """
-    table = platoon_table(vehicles, 1 if vehicles in networks else 2)
+    table = platoon.platoon_table(vehicles, 1 if vehicles in networks else 2)
     reader = networks[vehicles].reader if vehicles in networks else None
     return NativeFmu(
         name="PspPlatoonNative",
-        description=DESCRIPTION,
+        description=f"{platoon.DESCRIPTION}; {_ALONE}",
         header="platoon_model.h",
         vehicles=vehicles,
         table=table,
@@ -137,10 +133,10 @@ def native_controller(capacity: int, networks: Mapping[int, NetworkFile]) -> Nat
     """
     return NativeFmu(
         name="PspControllerNative",
-        description=f"{CONTROLLER}; needs nothing but itself",
+        description=f"{controller.DESCRIPTION}; {_ALONE}",
         header="controller_model.h",
         vehicles=capacity,
-        table=controller_table(capacity, 1 if networks else 2),
+        table=controller.controller_table(capacity, 1 if networks else 2),
         networks=networks,
         notes=(*notes_on_networks(networks), NEEDS),
     )

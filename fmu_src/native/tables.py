@@ -17,7 +17,7 @@ from psp_model.selection.network import DICTIONARY, PARAMETERS, SCORES
 
 from ..errors import SENTENCES, BuildError
 from ..interface.variables import Variable
-from ..python.build import NetworkFile
+from ..networks import NetworkFile
 from .onnx_graph import Chain, Layer, candidates, chain_to, require_same
 
 _LONGEST_LINE = 120

@@ -1,7 +1,7 @@
 """Files around an FMU that other tools ask for: SSP with parameter sets, cross-check files, FMI-LS-REF.
 
-`python -m fmu_src.pack.ecosystem FMU FOLDER` writes NAME_in.csv, NAME_ref.csv and NAME_ref.opt for an FMU of ours and, for
-the platoon, Platoon.ssp, scenario1.ssv and scenario2.ssv.
+`python -m fmu_src.pack.ecosystem FMU FOLDER` writes NAME_in.csv, NAME_ref.csv and NAME_ref.opt for an FMU of ours
+and, for the platoon, Platoon.ssp, scenario1.ssv and scenario2.ssv.
 """
 
 from __future__ import annotations

@@ -8,10 +8,9 @@ from typing import Any
 
 from psp_model.vehicles.leader import read_profile
 
-from ..interface.controller_variables import controller_table, leader_table, plant_table
-from .build import NEEDS, NetworkFile, notes_on_networks, pack_slave
-
-CONTROLLER = "Commands accelerations to a platoon of vehicles from their measured gaps and speeds"
+from ..interface import controller, leader, plant
+from ..networks import NetworkFile, notes_on_networks
+from .build import NEEDS, pack_slave
 
 
 def build_controller_fmu(capacity: int, output: Path, networks: Mapping[int, NetworkFile]) -> Path:
@@ -32,8 +31,11 @@ def build_controller_fmu(capacity: int, output: Path, networks: Mapping[int, Net
         "default_source": 1 if networks else 2,
         "networks": {n: network.name for n, network in networks.items()},
     }
-    table, notes = controller_table(capacity, config["default_source"]), [*notes_on_networks(networks), NEEDS]
-    return pack_slave("PspController", CONTROLLER, table, config, list(networks.values()), notes, output)
+    table, notes = (
+        controller.controller_table(capacity, config["default_source"]),
+        [*notes_on_networks(networks), NEEDS],
+    )
+    return pack_slave("PspController", controller.DESCRIPTION, table, config, list(networks.values()), notes, output)
 
 
 def build_plant_fmu(vehicles: int, output: Path) -> Path:
@@ -48,8 +50,8 @@ def build_plant_fmu(vehicles: int, output: Path) -> Path:
     -------
     path of the FMU
     """
-    description = "Ideal vehicles on one lane, double integrators, to try a controller on"
-    return pack_slave("PspPlant", description, plant_table(vehicles), {"vehicles": vehicles}, [], [NEEDS], output)
+    table, config = plant.plant_table(vehicles), {"vehicles": vehicles}
+    return pack_slave("PspPlant", plant.DESCRIPTION, table, config, [], [NEEDS], output)
 
 
 def build_leader_fmu(vehicles: int, output: Path, profile: Path | None = None) -> Path:
@@ -69,12 +71,13 @@ def build_leader_fmu(vehicles: int, output: Path, profile: Path | None = None) -
     ------
     ModelError : where the profile is none
     """
-    description = "The speed of a leader, steady or on a stop-and-go wave"
+    description = f"{leader.DESCRIPTION}, steady or on a stop-and-go wave"
     config: dict[str, Any] = {"vehicles": vehicles}
     more = {}
     if profile is not None:
         read_profile(profile)
-        description = f"The speed of a leader who follows {profile.name}"
+        description = f"{leader.DESCRIPTION} who follows {profile.name}"
         config["profile"] = "profile.csv"
         more = {"resources/profile.csv": profile.read_bytes()}
-    return pack_slave("PspLeader", description, leader_table(profile is not None), config, [], [NEEDS], output, more)
+    table = leader.leader_table(profile is not None)
+    return pack_slave("PspLeader", description, table, config, [], [NEEDS], output, more)

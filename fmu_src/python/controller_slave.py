@@ -14,7 +14,8 @@ from psp_model.errors import ModelError
 from psp_model.sampling.clock import Clock
 from psp_model.selection.network import read_networks
 
-from ..interface.controller_variables import controller_table
+from ..interface.controller import controller_table
+from ..interface.meaning import constants_of, weights_of
 from ..interface.variables import Variable
 from .state_check import bound, clock, count, flag, number, potential, record, require, variables, vector
 from .table_slave import LONGEST, TableSlave, logged
@@ -64,8 +65,8 @@ class PspController(TableSlave):
             raise ModelError("phase", phase, sampling.T)
         return ControllerSettings(
             capacity=self.vehicles,
-            constants=self._constants(),
-            weights=self._weights(),
+            constants=constants_of(read),
+            weights=weights_of(read),
             sampling=sampling,
             request=self._request(),
             a_min=read("a_min"),

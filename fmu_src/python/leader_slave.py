@@ -12,7 +12,7 @@ from psp_model.errors import ModelError
 from psp_model.sampling.clock import Clock
 from psp_model.vehicles.leader import Profile, Wave, read_profile
 
-from ..interface.controller_variables import leader_table
+from ..interface.leader import leader_table
 from ..interface.variables import Variable
 from .state_check import flag, record, restored_basics
 from .table_slave import TableSlave, logged
@@ -22,7 +22,7 @@ _SECOND = 1.0  # [s] the period of its clock: it samples nothing, but meets whol
 
 
 class PspLeader(TableSlave):
-    """A speed over time; see `psp_model.vehicles.leader.Wave` and, with a file in the FMU, `psp_model.vehicles.leader.Profile`."""
+    """A speed over time; see `Wave` and, with a file in the FMU, `Profile` in `psp_model.vehicles.leader`."""
 
     _part: Callable[[float], float] | None
 

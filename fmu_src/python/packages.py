@@ -1,4 +1,4 @@
-"""The Python packages that go into an FMU, under names of its own.
+"""The Python packages that go into an FMU, under names of its own: what its slave imports, and nothing else.
 
 Two FMUs in one process share Python's table of modules: were the packages called alike, the second FMU would run the
 first one's code.  Other people's FMUs bring pythonfmu, too, of any version.
@@ -7,30 +7,19 @@ first one's code.  Other people's FMUs bring pythonfmu, too, of any version.
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterator
 from importlib.resources import files
 from pathlib import Path
 
-import psp_model
-
 PACKAGES = ("psp_model", "fmu_src", "pythonfmu")
-_NOT_NEEDED = ("offline/", "analysis/", "installed/", "selection/search/")  # rooms of the model that no FMU enters
-_COMMON = (
-    "__init__.py",
-    "errors.py",
-    "interface/__init__.py",
-    "interface/meaning.py",
-    "interface/variables.py",
-    "python/__init__.py",
-    "python/state_check.py",
-    "python/surroundings.py",
-    "python/table_slave.py",
-)
-_CONTROLLER = "interface/controller_variables.py"
-_OWN = {
-    "PspPlatoon": ("python/slave_state.py", "python/platoon_slave.py"),
-    "PspController": (_CONTROLLER, "python/controller_slave.py"),
-    "PspLeader": (_CONTROLLER, "python/leader_slave.py"),
-    "PspPlant": (_CONTROLLER, "python/plant_slave.py"),
+_ROOT = Path(__file__).parents[2]  # where psp_model and fmu_src are
+_SURROUNDINGS = "fmu_src.python.surroundings"  # the script of the FMU imports it
+_FACE = "psp_model"  # imports everything for its users; in an FMU nobody uses it
+_SLAVES = {
+    "PspPlatoon": "python.platoon_slave",
+    "PspController": "python.controller_slave",
+    "PspLeader": "python.leader_slave",
+    "PspPlant": "python.plant_slave",
 }
 
 
@@ -41,23 +30,70 @@ def slave_module(name: str) -> str:
     ----------
     name : of the slave's class
     """
-    return _OWN[name][-1].removesuffix(".py").replace("/", ".")
+    return _SLAVES[name]
 
 
 def model_sources(name: str) -> dict[str, bytes]:
-    """The Python files of the model, of a slave and of pythonfmu, by name.
+    """The Python files of a slave, of all that it imports of this project, and of pythonfmu, by name.
 
     Parameters
     ----------
     name : of the slave's class
     """
-    model, ours = Path(psp_model.__file__).parent, Path(__file__).parents[1]
-    modules = {path.relative_to(model).as_posix(): path for path in sorted(model.rglob("*.py"))}
-    found = {
-        f"psp_model/{place}": path.read_bytes() for place, path in modules.items() if not place.startswith(_NOT_NEEDED)
-    }
+    found: dict[str, bytes] = {}
+    waiting = [f"fmu_src.{slave_module(name)}", _SURROUNDINGS]
+    while waiting:
+        module = waiting.pop()
+        path = _path_of(module)
+        place = path.relative_to(_ROOT).as_posix()
+        if place in found:
+            continue
+        content = path.read_bytes()
+        if module == _FACE:
+            content = _docstring_of(content)
+        found[place] = content
+        waiting += imported_modules(content, module, path.name == "__init__.py")
+        if "." in module:
+            waiting.append(module.rpartition(".")[0])
     found |= {f"pythonfmu/{f.name}": f.read_bytes() for f in files("pythonfmu").iterdir() if f.name.endswith(".py")}
-    return found | {f"fmu_src/{place}": (ours / place).read_bytes() for place in (*_COMMON, *_OWN[name])}
+    return dict(sorted(found.items()))
+
+
+def imported_modules(content: bytes, module: str, is_package: bool) -> Iterator[str]:
+    """The modules of this project that a module imports, wherever in it, by absolute name.
+
+    Parameters
+    ----------
+    content : of its file
+    module, is_package : its absolute name, and whether the file is that of a package
+    """
+    package = module.split(".") if is_package else module.split(".")[:-1]
+    for node in ast.walk(ast.parse(content)):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            parts = package[: len(package) + 1 - node.level] if node.level else []
+            base = ".".join([*parts, *([node.module] if node.module else [])])
+            inner = [f"{base}.{alias.name}" for alias in node.names]
+            names = [base, *(name for name in inner if _is_module(name))]
+        else:
+            continue
+        yield from (name for name in names if name.partition(".")[0] in PACKAGES[:2])
+
+
+def _path_of(module: str) -> Path:
+    """The file of a module of this project."""
+    place = _ROOT.joinpath(*module.split("."))
+    return place / "__init__.py" if place.is_dir() else place.with_suffix(".py")
+
+
+def _is_module(name: str) -> bool:
+    return name.partition(".")[0] in PACKAGES[:2] and _path_of(name).exists()
+
+
+def _docstring_of(content: bytes) -> bytes:
+    """A module of which nothing is left but what it says of itself."""
+    return f'"""{ast.get_docstring(ast.parse(content))}"""\n'.encode()
 
 
 def renamed(sources: dict[str, bytes], suffix: str) -> dict[str, bytes]:

@@ -17,7 +17,7 @@ from psp_model.state import PlatoonState
 from psp_model.validate import validate
 from psp_model.vehicles.ideal import IdealPlant
 
-from ..interface.controller_variables import plant_table
+from ..interface.plant import plant_table
 from ..interface.variables import Variable
 from .state_check import count, fresh, number, record, require, restored_basics, vector
 from .table_slave import TableSlave, logged

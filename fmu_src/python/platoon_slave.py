@@ -29,7 +29,8 @@ from psp_model.selection.selectors import Selector, outside_domain, selector_for
 from psp_model.state import StartDomain
 
 from ..interface.meaning import constants_of, start_of, weights_of
-from ..interface.variables import Variable, platoon_table
+from ..interface.platoon import platoon_table
+from ..interface.variables import Variable
 from .slave_state import Description, Members, SlaveState, from_json, to_json
 from .table_slave import LONGEST, TableSlave, logged
 

@@ -50,9 +50,9 @@ def require(what: str, extra: str, modules: Iterable[str]) -> None:
         except ModuleNotFoundError as error:
             missing.append((error.name or module).partition(".")[0])
         except (ImportError, OSError) as error:
-            raise MissingExtra(_broken(what, module, error)) from None
+            raise _broken(what, module, error) from None
     if missing:
-        raise MissingExtra(_missing(what, list(dict.fromkeys(missing)), extra))
+        raise _missing(what, list(dict.fromkeys(missing)), extra)
 
 
 def explained(error: ImportError, what: str) -> MissingExtra | None:
@@ -68,21 +68,21 @@ def explained(error: ImportError, what: str) -> MissingExtra | None:
     if extra is None:
         return None
     gone = isinstance(error, ModuleNotFoundError)
-    return MissingExtra(_missing(what, [module], extra) if gone else _broken(what, module, error))
+    return _missing(what, [module], extra) if gone else _broken(what, module, error)
 
 
-def _missing(what: str, modules: list[str], extra: str) -> str:
+def _missing(what: str, modules: list[str], extra: str) -> MissingExtra:
     *most, last = modules
     names = f"{', '.join(most)} and {last}" if most else last
-    return f"{what} needs {names}, which the extra {extra} brings: install it by {install_command(extra)}"
-
-
-def _broken(what: str, module: str, error: Exception) -> str:
-    reason = " ".join(str(error).split())
-    return (
-        f"{what} needs {module}, which is installed but cannot be loaded ({reason}): install what that names, or "
-        f"{module} anew"
+    return MissingExtra(
+        f"{what} needs {names}, which the extra {extra} brings", f"install it by {install_command(extra)}"
     )
+
+
+def _broken(what: str, module: str, error: Exception) -> MissingExtra:
+    reason = " ".join(str(error).split())
+    problem = f"{what} needs {module}, which is installed but cannot be loaded ({reason})"
+    return MissingExtra(problem, f"install what that names, or {module} anew")
 
 
 def install_command(extra: str) -> str:

@@ -128,9 +128,9 @@ def step(loop: Loop, now: Instant) -> tuple[Instant, Verdict]:
     the instant and what Lemma 1 says of it; with OUTSIDE its accelerations and T_max are still those of `now`
     """
     vehicles, cost = after(loop, now, now.span * loop.T)
-    if not now.T_max > loop.T and not (vehicles.s > loop.controller.constants.L).all():  # Lemma 1 keeps it elsewhere
-        period, fraction = now.ends
-        return replace(now, period=period, fraction=fraction, vehicles=vehicles, cost=cost), Verdict.OUTSIDE
+    may_leave = now.violations > 0 or loop.plant is not IDEAL  # else Lemma 1 has kept everything inside
+    if may_leave and _is_outside(loop, vehicles):
+        return _outside(now, now.ends, vehicles, cost)
     return _sampled(loop, now.ends, vehicles, now.memory, now.violations, cost)
 
 
@@ -148,13 +148,16 @@ def resample(
 
     Returns
     -------
-    the instant; where it is at the time of `now`, the verdict on `now` no longer counts
+    the instant and what Lemma 1 says of it, as `step` does; where it is at the time of `now`, the verdict on `now` no
+    longer counts
     """
     tau = (at[0] - now.period + (at[1] - now.fraction)) * loop.T
     cost = now.cost if tau == 0.0 else after(loop, now, tau)[1]
     again = at == (now.period, now.fraction)
-    violations = now.violations - (again and now.T_max <= loop.T)
-    return _sampled(loop, at, loop.plant.begin(*motion), None, violations, cost)
+    violations, vehicles = now.violations - (again and now.T_max <= loop.T), loop.plant.begin(*motion)
+    if _is_outside(loop, vehicles):
+        return _outside(now, at, vehicles, cost)
+    return _sampled(loop, at, vehicles, None, violations, cost)
 
 
 def after(loop: Loop, now: Instant, tau: float) -> tuple[Any, Vector]:
@@ -193,6 +196,16 @@ def with_potential(loop: Loop, potential: Potential) -> Loop:
     potential : the other one
     """
     return replace(loop, controller=replace(loop.controller, potential=potential))  # type: ignore[type-var]
+
+
+def _is_outside(loop: Loop, vehicles: Any) -> bool:
+    """Whether a spacing has fallen to L, which it cannot where periods are cut until they are certified."""
+    return not loop.shorten and not (vehicles.s > loop.controller.constants.L).all()
+
+
+def _outside(now: Instant, at: tuple[int, float], vehicles: Any, cost: Vector) -> tuple[Instant, Verdict]:
+    """The instant at which the law is not defined: nothing is decided anew."""
+    return replace(now, period=at[0], fraction=at[1], vehicles=vehicles, cost=cost), Verdict.OUTSIDE
 
 
 def _sampled(

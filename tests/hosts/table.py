@@ -17,8 +17,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from build_fmu import main as build
-from fmu_src.interface.variables import platoon_table
-from fmu_src.python.build import networks_up_to
+from fmu_src.interface.platoon import platoon_table
+from fmu_src.networks import networks_up_to
 from psp_model import PlatoonState, project, simulate
 from psp_model.selection.network import ParameterNetwork
 

@@ -171,6 +171,7 @@ CAUGHT = {
     ("onnx_graph.py", "ValueError"): "becomes a BuildError in tables.py",
     ("tables.py", "ValueError"): "a defect of the table of variables, not of a user",
     ("table_slave.py", "NotImplementedError"): "a defect of a subclass",
+    ("state_check.py", "ValueError"): "becomes the FMU's sentence on states that no run can come to",
     ("results.py", "KeyError"): "becomes an InputError in psp simulate",
 }
 """Built-in exceptions that are raised, by file, and why no user sees them."""

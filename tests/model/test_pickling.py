@@ -37,6 +37,7 @@ from psp_model import (
 from psp_model.callbacks import silent
 from psp_model.controller import BadMeasurement, ControllerSettings, Measurement, SampledController
 from psp_model.membership import OpenPlatoon, Refusal
+from psp_model.sampling.clock import Clock
 from psp_model.sampling.hold import IDEAL
 from psp_model.selection.network import ParameterNetwork, read_networks
 from psp_model.selection.selectors import ParameterSource, Request
@@ -208,6 +209,10 @@ EXAMPLES: dict[str, Example] = {
     ),
     "Wave": (lambda: Wave(31.0, 22.0, 4.0, 30.0), speeds),
     "Profile": (lambda: Profile([0.0, 4.0, 50.0], [30.0, 21.5, 33.0], "mine"), speeds),
+    "Clock": (
+        lambda: Clock.begin(3.5, 0.002, 0.01).after(3.5, 0.037, 0.01),
+        lambda made: made.after(3.537, 0.02, 0.01),
+    ),
     "IdealPlant": (plant, driven),
     "Motion": (lambda: plant().now, lambda made: IDEAL.advance(made, np.array([1.0, 0.0, -1.0]), 0.3)),
 }

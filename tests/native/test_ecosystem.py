@@ -17,9 +17,11 @@ import pytest
 from fmpy import read_model_description
 from fmpy.ssp.simulation import simulate_ssp
 
-from fmu_src.interface.controller_variables import controller_table, leader_table, plant_table
+from fmu_src.interface.controller import controller_table
+from fmu_src.interface.leader import leader_table
 from fmu_src.interface.model_description import Component, model_description
-from fmu_src.interface.variables import platoon_table
+from fmu_src.interface.plant import plant_table
+from fmu_src.interface.platoon import platoon_table
 from fmu_src.pack.ecosystem import LS_REF, main, write_cross_check, write_platoon_ssp
 from fmu_src.pack.ssp import SCENARIOS, with_values
 from harness import OK, Instance

@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 from fmu_src.native import build
-from fmu_src.python.build import networks_up_to
+from fmu_src.networks import networks_up_to
 from fmu_src.toolchain.compile import fmi_headers
 from harness import ERROR, OK, Instance, Unpacked
 from native.conftest import built

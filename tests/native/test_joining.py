@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from fmu_src.native.build import build_native_fmu, native_platoon
-from fmu_src.python.build import build_python_fmu, networks_up_to
+from fmu_src.networks import networks_up_to
+from fmu_src.python.build import build_python_fmu
 from harness import ERROR, OK, Instance, Unpacked, random_start, starts
 from psp_model import BEST_FIXED, PlatoonParameters, PlatoonState, Sampling, project, simulate
 from psp_model.selection.network import read_networks

@@ -13,7 +13,7 @@ import pytest
 import onnx
 from build_fmu import main as build
 from fmu_src.native.build import native_platoon
-from fmu_src.python.build import networks_up_to
+from fmu_src.networks import networks_up_to
 from fmu_src.toolchain.compile import compile_library, host_platform
 from psp_model import StartDomain
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from fmu_src.native import build
-from fmu_src.python.build import networks_up_to
+from fmu_src.networks import networks_up_to
 from harness import OK, Instance, Unpacked
 
 LONGEST_LINE = 4095  # C11, 5.2.4.1: what every compiler takes

@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 import onnx
-from fmu_src.python.build import networks_up_to
+from fmu_src.networks import networks_up_to
 from onnx import numpy_helper
 from psp_cli.main import app
 from psp_model import BEST_FIXED, ModelError, ObjectiveWeights, PlatoonState, Sampling, StartDomain, project

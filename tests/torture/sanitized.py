@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 
 from fmu_src.native import build
-from fmu_src.python.build import networks_up_to
+from fmu_src.networks import networks_up_to
 from fmu_src.toolchain.compile import FMI_HEADERS
 from native.fuzz import run as fuzzing
 

@@ -20,7 +20,7 @@ T = 0.01
 @pytest.mark.parametrize("vehicles", [2, 5, 12])
 def test_controller_and_plant_are_the_platoon(vehicles, old):
     request = Request(old=old, source=ParameterSource.FIXED)
-    controller = SampledController(ControllerSettings(vehicles, request=request))
+    controller = SampledController.begin(ControllerSettings(vehicles, request=request))
     start = PlatoonState(*paper_start(vehicles, vehicles), x_leader=-4.0)
     plant = IdealPlant.begin(start, T)
     run = simulate(start, controller.now.shape if old else BEST_FIXED, duration=10.0)
@@ -37,7 +37,7 @@ def test_an_instant_that_lemma_1_does_not_cover_is_an_error_or_counted_and_warne
     warned: list[str] = []
     fixed = Request(source=ParameterSource.FIXED)
     settings = ControllerSettings(2, request=fixed, sampling=Sampling(T, policy))
-    controller = SampledController(settings, warn=warned.append)
+    controller = SampledController.begin(settings, warn=warned.append)
     close = Measurement(np.array([5.2]), np.array([30.0, 30.0]), 2)  # T_max is at most 0.2 m / 35 m/s
     if policy is Lemma1Policy.ERROR:
         with pytest.raises(ModelError, match="T_max"):
@@ -50,7 +50,7 @@ def test_an_instant_that_lemma_1_does_not_cover_is_an_error_or_counted_and_warne
 
 def test_a_desired_speed_moves_the_equilibrium():
     settings = ControllerSettings(1, PlatoonParameters(), request=Request(source=ParameterSource.FIXED))
-    controller, v = SampledController(settings), np.array([30.0])
+    controller, v = SampledController.begin(settings), np.array([30.0])
     for k in range(3000):
         controller.sample(k * T, replace(Measurement(np.empty(0), v, 1), v_desired=17.0))
         v = v + T * controller.now.a

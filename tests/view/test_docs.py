@@ -13,7 +13,7 @@ import pytest
 from typer.main import get_command
 
 from fmu_src.errors import FmiError
-from fmu_src.interface.variables import platoon_table
+from fmu_src.interface.platoon import platoon_table
 from psp_cli.main import app
 from psp_cli.scenario import read_scenario
 from psp_model.errors import SENTENCES

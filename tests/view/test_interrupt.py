@@ -117,7 +117,7 @@ def test_one_sentence_and_nothing_half_written(given: Path, tmp_path: Path, name
     process = begin(COMMANDS[name].format(given=given), tmp_path)
     time.sleep(delay)
     code, _, stderr = end(process, group=late)
-    if code == 0:
+    if code == 0 or (code == 1 and name == "doctor" and not stderr):  # 1: something has to be mended on this machine
         pytest.skip(f"was done before {delay:.2f} s had passed")
     said = [line for line in stderr.splitlines() if "interrupted" in line]
     assert code == 130 and len(said) == 1 and SENTENCE.fullmatch(said[0]), f"after {delay} s: {code} {stderr}"

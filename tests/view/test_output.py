@@ -211,7 +211,7 @@ def test_runs_of_a_scenario_that_are_the_same_are_shown_once(tmp_path: Path) -> 
     ("words", "origin"),
     [
         ("", r"network platoon_7\.onnx, from the initial state"),
-        ("--set parameter_source=2", "fixed by the user"),
+        ("--set parameter_source=2", "alpha_fixed, r_fixed, p_fixed"),
         ("-n 33", "the fixed triple, because there is no network for 33 vehicles"),
         ("--set mu=0.6", "fixed: the fallback, because the network cannot be used here"),
         ("--set potential=1", "V_old: no hill"),

@@ -12,7 +12,7 @@ from shutil import which
 from tempfile import mkdtemp
 
 from fmu_src.native.build import native_controller, native_platoon
-from fmu_src.python.build import networks_up_to
+from fmu_src.networks import networks_up_to
 from fmu_src.toolchain.compile import FMI_HEADERS
 
 SANITIZERS = "-fsanitize=fuzzer,address,undefined,float-cast-overflow"

@@ -1,4 +1,4 @@
-"""The tables of FMI variables of `PspController`, of `PspPlant`, vehicles to try it on, and of `PspLeader`."""
+"""The table of FMI variables of `PspController`."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from psp_model.controller import NO_LIMIT, ControllerSettings
-from psp_model.vehicles.leader import Wave
 
-from .variables import Variable, platoon_table
+from .platoon import platoon_table
+from .variables import Variable
 
+DESCRIPTION = "Commands accelerations to a platoon of vehicles from their measured gaps and speeds"
 _OF_THE_PLATOON = ("T", "L", "lambda", "v_star", "v_max", "epsilon", "mu", "z", "w1", "w2", "a_ref", "s_ref")
 _CHOICES = ("potential", "parameter_source", "rollout_count")  # Integer: these stand together, as the native FMU has it
 _FALLBACK = ("rollout_horizon", "alpha_fixed", "r_fixed", "p_fixed")
-_NOTHING: tuple[str, ...] = ()
 
 
 def _parameters(rows: dict[str, Variable]) -> Iterator[Variable]:
@@ -96,59 +96,3 @@ def controller_table(capacity: int, default_source: int = 2) -> tuple[Variable, 
     measured = tuple(_measured(capacity, rows))
     known = tuple(row.name for row in measured)
     return (*_parameters(rows), *measured, *_decided(capacity, known))
-
-
-def plant_table(vehicles: int) -> tuple[Variable, ...]:
-    """The variables of `PspPlant`: ideal vehicles on one lane.
-
-    Parameters
-    ----------
-    vehicles : n, at least 2
-
-    Returns
-    -------
-    tuple of Variable (ours)
-    """
-    rows = {row.name: row for row in platoon_table(vehicles)}
-    text = "Length of the periods over which an acceleration counts, above 0: the controller's sampling period"
-    parameters = [replace(rows["T"], description=text)]
-    parameters += [row for name, row in rows.items() if name == "x_start" or "_start[" in name]
-    text = "Acceleration of vehicle {}: the last one that is set within a period counts for all of it"
-    accelerations = [
-        Variable(f"a[{i}]", text.format(i), "m/s2", 0.0, nominal=1, input=True) for i in range(1, vehicles + 1)
-    ]
-    known = {row.name for row in parameters}
-    motion = []
-    for name, row in rows.items():
-        if name[:2] in ("x[", "v[", "s["):
-            text = f"{row.description}, at the beginning of the current period"
-            starts = tuple(start for start in row.initial_dependencies or () if start in known)
-            motion.append(replace(row, description=text, continuous=False, initial_dependencies=starts))
-    return (*parameters, *accelerations, *motion)
-
-
-def leader_table(profile: bool = False) -> tuple[Variable, ...]:
-    """The variables of `PspLeader`: a leader's speed over time.
-
-    Parameters
-    ----------
-    profile : whether the FMU carries a speed profile, which takes the place of the wave
-
-    Returns
-    -------
-    tuple of Variable (ours)
-    """
-    speed = Variable("v", "Speed of the leader", "m/s", nominal=30, continuous=True)
-    if profile:
-        text = "When the profile begins, with its first row; before and after it the first and the last speed are held"
-        return Variable("begin", text, "s", 0.0, nominal=10), speed
-    wave = Wave()
-    return (
-        Variable("v_high", "Speed before and at the top of the wave", "m/s", wave.high, 0, nominal=30),
-        Variable(
-            "v_low", "Speed at the bottom of the wave, at most v_high; v_high for none", "m/s", wave.low, 0, None, 30
-        ),
-        Variable("begin", "When the first braking begins", "s", wave.begin, nominal=10),
-        Variable("period", "Period of the wave, above 0", "s", wave.period, 0, nominal=40),
-        speed,
-    )
