@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +16,7 @@ from ..errors import ModelError
 from ..law.controller import Controller
 from ..law.potential import Potential
 from ..parameters import ObjectiveWeights
-from .hold import IDEAL, Plant
+from .hold import Moving, Plant
 from .lemma1 import violation
 from .period import decide, hold
 
@@ -43,15 +42,15 @@ class Loop:
     controller : who decides, with potential and constants
     weights : of the objective
     T : sampling period [s]
-    shorten : whether a period that is not certified is cut in halves until it is
     plant : what is driven
+    shorten : whether a period that is not certified is cut in halves until it is
     """
 
-    controller: Controller
+    controller: Controller[object]
     weights: ObjectiveWeights
     T: float
+    plant: Plant[Moving]
     shorten: bool = False
-    plant: Plant[Any] = IDEAL
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,13 +71,13 @@ class Instant:
 
     period: int
     fraction: float
-    vehicles: Any
+    vehicles: Moving
     a: Vector
     T_max: float
     span: float
     violations: int
     cost: Vector
-    memory: Any = None
+    memory: object = None
 
     @property
     def x(self) -> float:
@@ -88,14 +87,12 @@ class Instant:
     @property
     def s(self) -> Vector:
         """Spacings, (n-1,) [m]."""
-        found: Vector = self.vehicles.s
-        return found
+        return self.vehicles.s
 
     @property
     def v(self) -> Vector:
         """Speeds, (n,) [m/s]."""
-        found: Vector = self.vehicles.v
-        return found
+        return self.vehicles.v
 
     @property
     def ends(self) -> tuple[int, float]:
@@ -160,7 +157,7 @@ def resample(
     return _sampled(loop, at, vehicles, None, violations, cost)
 
 
-def after(loop: Loop, now: Instant, tau: float) -> tuple[Any, Vector]:
+def after(loop: Loop, now: Instant, tau: float) -> tuple[Moving, Vector]:
     """State of the plant and terms of J a time tau after a sampling instant (ours).
 
     Parameters
@@ -209,7 +206,7 @@ def _outside(now: Instant, at: tuple[int, float], vehicles: Any, cost: Vector) -
 
 
 def _sampled(
-    loop: Loop, at: tuple[int, float], vehicles: Any, memory: Any, violations: int, cost: Vector
+    loop: Loop, at: tuple[int, float], vehicles: Moving, memory: object, violations: int, cost: Vector
 ) -> tuple[Instant, Verdict]:
     """The sampling instant at a time: commands, T_max, and how long the commands are held."""
     decided = decide(loop.controller, memory, vehicles)
