@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
 from .callbacks import Warns, silent
 from .errors import ModelError
-from .law.controller import MakeController, PaperLaw
+from .law.controller import Controller, MakeController, Memory, PaperLaw
 from .law.potential import Potential
 from .parameters import ObjectiveWeights, PlatoonParameters
-from .sampling.hold import IDEAL, Plant
+from .sampling.hold import IDEAL, Moving, Plant, Vehicles
 from .sampling.loop import (
     SHORTEST,
     Instant,
@@ -54,8 +54,8 @@ def loop_of(
     constants: PlatoonParameters,
     weights: ObjectiveWeights,
     sampling: Sampling,
-    controller: MakeController = PaperLaw,
-    plant: Plant[Any] = IDEAL,
+    controller: MakeController[Memory] | None = None,
+    plant: Plant[Vehicles] | None = None,
 ) -> Loop:
     """The pure loop that a platoon drives (ours).
 
@@ -64,7 +64,10 @@ def loop_of(
     shape, constants, weights, sampling, controller, plant : as `SampledPlatoon.begin` takes them
     """
     shorten = sampling.policy == Lemma1Policy.SHORTEN
-    return Loop(controller(shape, constants), weights, sampling.T, shorten, plant)
+    law: object = PaperLaw(shape, constants) if controller is None else controller(shape, constants)
+    # the loop hands controller and plant what they have returned, and nothing else: it need not know those types
+    driven = cast(Plant[Moving], IDEAL if plant is None else plant)
+    return Loop(cast(Controller[object], law), weights, sampling.T, driven, shorten)
 
 
 @dataclass(eq=False)
@@ -99,8 +102,8 @@ class SampledPlatoon(Warns):
         sampling: Sampling | None = None,
         warn: Callable[[str], None] = silent,
         *,
-        controller: MakeController = PaperLaw,
-        plant: Plant[Any] = IDEAL,
+        controller: MakeController[Memory] | None = None,
+        plant: Plant[Vehicles] | None = None,
     ) -> SampledPlatoon:
         """A platoon at its first sampling instant.
 

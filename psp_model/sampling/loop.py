@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +17,8 @@ from ..errors import ModelError
 from ..law.controller import Controller
 from ..law.potential import Potential
 from ..parameters import ObjectiveWeights
-from ..state import seal
-from .hold import IDEAL, Plant
+from ..state import read_only, seal
+from .hold import DoubleIntegrators, Moving, Plant
 from .lemma1 import violation
 from .period import decide, hold
 
@@ -45,15 +45,15 @@ class Loop:
     controller : who decides, with potential and constants
     weights : of the objective
     T : sampling period [s]
-    shorten : whether a period that is not certified is cut in halves until it is
     plant : what is driven
+    shorten : whether a period that is not certified is cut in halves until it is
     """
 
-    controller: Controller
+    controller: Controller[object]
     weights: ObjectiveWeights
     T: float
+    plant: Plant[Moving]
     shorten: bool = False
-    plant: Plant[Any] = IDEAL
 
 
 class Instant(NamedTuple):
@@ -73,13 +73,13 @@ class Instant(NamedTuple):
 
     period: int
     fraction: float
-    vehicles: Any
+    vehicles: Moving
     a: Vector
     T_max: float
     span: float
     violations: int
     cost: Cost
-    memory: Any = None
+    memory: object = None
 
     @property
     def x(self) -> float:
@@ -89,14 +89,12 @@ class Instant(NamedTuple):
     @property
     def s(self) -> Vector:
         """Spacings, (n-1,) [m]."""
-        found: Vector = self.vehicles.s
-        return found
+        return self.vehicles.s
 
     @property
     def v(self) -> Vector:
         """Speeds, (n,) [m/s]."""
-        found: Vector = self.vehicles.v
-        return found
+        return self.vehicles.v
 
     @property
     def ends(self) -> tuple[int, float]:
@@ -113,7 +111,7 @@ def begin(loop: Loop, x: float, s: Vector, v: Vector) -> tuple[Instant, Verdict]
     loop : what it is made of
     x, s, v : position of the leader [m], (n-1,) spacings [m], all above L, and (n,) speeds [m/s]
     """
-    return _sampled(loop, (0, 0.0), loop.plant.begin(x, s, v), None, 0, (0.0, 0.0))
+    return _sampled(loop, (0, 0.0), loop.plant.begin(x, read_only(s), read_only(v)), None, 0, (0.0, 0.0))
 
 
 def step(loop: Loop, now: Instant) -> tuple[Instant, Verdict]:
@@ -129,8 +127,7 @@ def step(loop: Loop, now: Instant) -> tuple[Instant, Verdict]:
     the instant and what Lemma 1 says of it; with OUTSIDE its accelerations and T_max are still those of `now`
     """
     vehicles, cost = after(loop, now, now.span * loop.T)
-    may_leave = now.violations > 0 or loop.plant is not IDEAL  # else Lemma 1 has kept everything inside
-    if may_leave and _is_outside(loop, vehicles):
+    if (now.violations > 0 or not _is_ideal(loop)) and _is_outside(loop, vehicles):  # else Lemma 1 keeps all inside
         return _outside(now, now.ends, vehicles, cost)
     return _sampled(loop, now.ends, vehicles, now.memory, now.violations, cost)
 
@@ -155,13 +152,14 @@ def resample(
     tau = (at[0] - now.period + (at[1] - now.fraction)) * loop.T
     cost = now.cost if tau == 0.0 else after(loop, now, tau)[1]
     again = at == (now.period, now.fraction)
-    violations, vehicles = now.violations - (again and now.T_max <= loop.T), loop.plant.begin(*motion)
+    violations, (x, s, v) = now.violations - (again and now.T_max <= loop.T), motion
+    vehicles = loop.plant.begin(x, read_only(s), read_only(v))
     if _is_outside(loop, vehicles):
         return _outside(now, at, vehicles, cost)
     return _sampled(loop, at, vehicles, None, violations, cost)
 
 
-def after(loop: Loop, now: Instant, tau: float) -> tuple[Any, Cost]:
+def after(loop: Loop, now: Instant, tau: float) -> tuple[Moving, Cost]:
     """State of the plant and terms of J a time tau after a sampling instant (ours).
 
     Parameters
@@ -170,7 +168,8 @@ def after(loop: Loop, now: Instant, tau: float) -> tuple[Any, Cost]:
     tau : time [s]
     """
     vehicles, added = hold(loop.plant, now.vehicles, now.a, tau, loop.weights)
-    return vehicles, (now.cost[0] + added[0], now.cost[1] + added[1])
+    seal(vehicles.s, vehicles.v)
+    return vehicles, (now.cost[0] + float(added[0]), now.cost[1] + float(added[1]))
 
 
 def refusal(loop: Loop, now: Instant, verdict: Verdict) -> ModelError:
@@ -199,28 +198,34 @@ def with_potential(loop: Loop, potential: Potential) -> Loop:
     return replace(loop, controller=replace(loop.controller, potential=potential))  # type: ignore[type-var]
 
 
-def _is_outside(loop: Loop, vehicles: Any) -> bool:
-    """Whether a spacing has fallen to L, which it cannot where periods are cut until they are certified."""
-    return not loop.shorten and not (vehicles.s > loop.controller.constants.L).all()
+def _is_ideal(loop: Loop) -> bool:
+    """Whether the vehicles are those that Lemma 1 speaks of."""
+    plant: object = loop.plant
+    return type(plant) is DoubleIntegrators
 
 
-def _outside(now: Instant, at: tuple[int, float], vehicles: Any, cost: Cost) -> tuple[Instant, Verdict]:
+def _is_outside(loop: Loop, vehicles: Moving) -> bool:
+    """Whether a spacing has fallen to L; ideal vehicles cannot where periods are cut until they are certified."""
+    return not (loop.shorten and _is_ideal(loop)) and not (vehicles.s > loop.controller.constants.L).all()
+
+
+def _outside(now: Instant, at: tuple[int, float], vehicles: Moving, cost: Cost) -> tuple[Instant, Verdict]:
     """The instant at which the law is not defined: nothing is decided anew."""
     return now._replace(period=at[0], fraction=at[1], vehicles=vehicles, cost=cost), Verdict.OUTSIDE
 
 
 def _sampled(
-    loop: Loop, at: tuple[int, float], vehicles: Any, memory: Any, violations: int, cost: Cost
+    loop: Loop, at: tuple[int, float], vehicles: Moving, memory: object, violations: int, cost: Cost
 ) -> tuple[Instant, Verdict]:
     """The sampling instant at a time: commands, T_max, and how long the commands are held."""
-    memory, a, T_max = decide(loop.controller, memory, vehicles)
-    T_max = float(T_max)
+    memory, a, bound = decide(loop.controller, memory, vehicles)
+    T_max = float(bound)
     certified, span = T_max > loop.T, 1.0
     if loop.shorten:
         while not span * loop.T < T_max and span > SHORTEST:
             span *= 0.5
     span = min(span, 1.0 - at[1])  # the next nominal instant is one in any case
     count = violations + (not certified)
-    seal(vehicles.s, vehicles.v, a)
+    seal(a)
     now = Instant(*at, vehicles, a, T_max, span, count, cost, memory)
     return now, Verdict.CERTIFIED if certified else Verdict.NOT_CERTIFIED

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+import ast
+import os
+import subprocess
+import sys
 import zipfile
+from collections.abc import Iterator
+from pathlib import PurePosixPath
 from xml.etree import ElementTree
 
 import fmpy
@@ -11,6 +17,7 @@ from fmpy.validation import validate_fmu
 
 from build_fmu import main as build
 from fmu_src.interface.platoon import platoon_table
+from fmu_src.python.packages import model_sources
 
 
 @pytest.fixture(scope="module")
@@ -31,6 +38,51 @@ def test_fmpy_finds_nothing_to_report(fmu, fmu_of_three):
 def test_two_builds_are_identical(fmu, tmp_path):
     assert build(["--output", str(tmp_path / "a"), "--vehicles", "7"]) == 0
     assert (tmp_path / "a" / "PspPlatoon.fmu").read_bytes() == fmu.path.read_bytes()
+
+
+@pytest.mark.parametrize("component", ["PspPlatoon", "PspController", "PspPlant", "PspLeader"])
+def test_the_packages_in_an_fmu_import_nothing_that_is_not_in_there(component):
+    sources = model_sources(component)
+    foreign = set()
+    for place, content in sources.items():
+        path = PurePosixPath(place)
+        inside = path.parent if path.name == "__init__.py" else path.with_suffix("")
+        assert place.startswith("pythonfmu/") or (path.parent / "__init__.py").as_posix() in sources
+        for name in _imported(content, inside.parts, path.name == "__init__.py"):
+            if name[0] in ("psp_model", "fmu_src"):
+                assert {"/".join(name) + ".py", "/".join((*name, "__init__.py"))} & set(sources), (place, name)
+            elif name[0] not in sys.stdlib_module_names:
+                foreign.add(name[0])
+    # casadi_symbols.py is imported where an array is CasADi's only
+    assert foreign <= {"numpy", "pythonfmu", "onnxruntime", "casadi"}
+
+
+def _imported(content: bytes, inside: tuple[str, ...], is_package: bool) -> Iterator[tuple[str, ...]]:
+    """Every module that a module imports from, as the parts of its name."""
+    package = inside if is_package else inside[:-1]
+    for node in ast.walk(ast.parse(content)):
+        if isinstance(node, ast.Import):
+            yield from (tuple(alias.name.split(".")) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = package[: len(package) + 1 - node.level] if node.level else ()
+            yield (*base, *(node.module.split(".") if node.module else ()))
+
+
+@pytest.mark.parametrize("component", ["platoon", "controller", "plant", "leader"])
+def test_a_slave_can_be_imported_with_nothing_but_what_is_in_its_fmu(component, tmp_path):
+    assert build(["--component", component, "--vehicles", "3", "--output", str(tmp_path)]) == 0
+    (path,) = tmp_path.glob("*.fmu")
+    with zipfile.ZipFile(path) as archive:
+        archive.extractall(tmp_path / "unpacked")
+        script = archive.read("resources/slavemodule.txt").decode()
+        modules = [PurePosixPath(name) for name in archive.namelist() if name.startswith("resources/psp_model_")]
+    names = [".".join(name.relative_to("resources").with_suffix("").parts) for name in modules]
+    code = f"import sys; sys.path.insert(0, {str(tmp_path / 'unpacked' / 'resources')!r}); import {script}\n"
+    code += "assert not {'psp_model', 'fmu_src', 'onnxruntime', 'casadi', 'jax'} & set(sys.modules)\n"
+    code += "\n".join(f"import {name}" for name in names if "casadi_symbols" not in name)
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    ran = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert ran.returncode == 0, ran.stderr
 
 
 def test_every_variable_has_description_unit_and_typical_size(root):

@@ -13,6 +13,7 @@ from psp_model.controller import BadMeasurement, ControllerSettings, Measurement
 from psp_model.law.feedback import feedback, feedback_towards
 from psp_model.sampling.hold import Motion
 from psp_model.selection.selectors import ParameterSource, Request
+from psp_model.validate import validate
 from psp_model.vehicles.ideal import IdealPlant
 
 T, N, L, V_MAX = 0.01, 7, 5.0, 35.0
@@ -258,5 +259,5 @@ def test_a_platoon_refuses_a_start_with_the_remedy_that_fits():
         ([-1.0], [30.0, 30.0], "vehicle 2 behind vehicle 1", "lower L"),
     ]:
         with pytest.raises(ValueError, match=part) as caught:
-            PlatoonState(np.array(s), np.array(v))
+            validate(PlatoonState(np.array(s), np.array(v)))
         assert does_not not in str(caught.value)

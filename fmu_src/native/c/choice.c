@@ -1,4 +1,4 @@
-/* The potential for a start: mirrors psp_model/selection/choose.py and rollout.py. */
+/* The potential for a start: mirrors psp_model/selection/selectors.py and rollout.py. */
 #include "vehicles.h"
 
 #include <math.h>
