@@ -9,7 +9,7 @@ import numpy as np
 from ..namespaces import Number
 from ..sampling.hold import DoubleIntegrators, Motion, gaps_after, travelled
 from ..sampling.loop import Vector
-from ..state import PlatoonState
+from ..state import PlatoonState, seal
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class StoppingIntegrators(DoubleIntegrators):
 STOPPING = StoppingIntegrators()
 
 
-@dataclass
+@dataclass(frozen=True, eq=False)
 class IdealPlant:
     """Double integrators that do not reverse, driven period by period (ours).
 
@@ -62,13 +62,16 @@ class IdealPlant:
         """
         return cls(Motion(start.x_leader, start.s, start.v), T)
 
-    def advance_to(self, period: int, a: Vector) -> None:
-        """Go to the beginning of a period with the accelerations held.
+    def advanced_to(self, period: int, a: Vector) -> IdealPlant:
+        """The plant at the beginning of a period, the accelerations held until then; this one where that is past.
 
         Parameters
         ----------
         period : its number
         a : (n,) accelerations [m/s2]
         """
-        while self.period < period:
-            self.now, self.period = STOPPING.advance(self.now, a, self.T)[0], self.period + 1
+        now = self.now
+        for _ in range(self.period, period):
+            now = STOPPING.advance(now, a, self.T)[0]
+        seal(now.s, now.v)
+        return IdealPlant(now, self.T, max(self.period, period))
