@@ -5,11 +5,10 @@ from __future__ import annotations
 import importlib
 import pickle
 import pkgutil
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from copy import copy, deepcopy
-from dataclasses import fields, is_dataclass
-from enum import Enum
+from dataclasses import is_dataclass
 from multiprocessing import get_context
 from pathlib import Path
 from shutil import copyfile
@@ -19,7 +18,7 @@ import numpy as np
 import pytest
 
 import psp_model
-from class_examples import EXAMPLES, answers_of, future, hear, opened, plant, platoon, start_of
+from class_examples import EXAMPLES, answers_of, future, hear, opened, plain, plant, platoon, start_of
 from psp_model import V_OLD, Lemma1Policy, ModelError, SampledPlatoon, Sampling
 from psp_model.callbacks import silent
 from psp_model.controller import ControllerSettings, SampledController
@@ -33,25 +32,6 @@ TRIPS |= {
     f"protocol {protocol}": lambda one, protocol=protocol: pickle.loads(pickle.dumps(one, protocol))
     for protocol in range(pickle.HIGHEST_PROTOCOL + 1)
 }
-
-
-def plain(one: Any) -> Any:
-    """What is equal for objects of the same content: numbers with all their bits, arrays with their shapes."""
-    if isinstance(one, np.ndarray):
-        return one.dtype.str, one.shape, one.tobytes()
-    if isinstance(one, float):
-        return type(one), float(one).hex()
-    if isinstance(one, ParameterNetwork):
-        return one.path, one._content
-    if isinstance(one, Enum) or callable(one):
-        return one
-    if isinstance(one, BaseException):
-        return type(one), str(one), plain(vars(one))
-    if is_dataclass(one):
-        return type(one), [plain(getattr(one, field.name)) for field in fields(one) if field.name != "warn"]
-    if isinstance(one, Mapping):
-        return {key: plain(value) for key, value in one.items()}
-    return (type(one), [plain(item) for item in one]) if isinstance(one, Sequence) and not isinstance(one, str) else one
 
 
 @pytest.mark.parametrize("trip", TRIPS)
