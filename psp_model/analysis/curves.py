@@ -76,7 +76,7 @@ def _root(falling: float, rising: float, shape: PotentialParameters, constants: 
     """Bisect for the zero of V' between a gap where it is at most 0 and one where it is above."""
     for _ in range(60):
         middle = 0.5 * (falling + rising)
-        if potential_slope(np.array(middle), shape, constants) > 0:
+        if potential_slope(np.array([middle]), shape, constants)[0] > 0:
             rising = middle
         else:
             falling = middle

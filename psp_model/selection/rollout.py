@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..law.controller import MakeController, PaperLaw
+from ..law.controller import Controller, MakeController, Memory, PaperLaw
 from ..law.potential import Potential, PotentialParameters, stacked
 from ..parameters import ObjectiveWeights
 from ..sampling.clock import locate
-from ..sampling.hold import IDEAL, Plant
+from ..sampling.hold import IDEAL, Moving, Plant, Vehicles
 from ..sampling.period import decide, hold
 from ..sampling.policy import Sampling
 from ..state import PlatoonState
@@ -37,8 +37,8 @@ def rollout_costs(
     sampling: Sampling,
     horizon: float,
     *,
-    controller: MakeController = PaperLaw,
-    plant: Plant[Any] = IDEAL,
+    controller: MakeController[Memory] | None = None,
+    plant: Plant[Vehicles] | None = None,
 ) -> tuple[Batch, NDArray[np.bool_]]:
     """J of each candidate from this start, and whether Lemma 1 certifies T throughout (ours).
 
@@ -57,15 +57,18 @@ def rollout_costs(
     J, certified : (K,) arrays
     """
     count, T = len(candidates), sampling.T
-    law = controller(stacked(candidates), start.constants)
+    potential = stacked(candidates)
+    law: object = PaperLaw(potential, start.constants) if controller is None else controller(potential, start.constants)
+    driven = cast(Plant[Moving], IDEAL if plant is None else plant)
     s, v = np.repeat(start.s[:, None], count, axis=1), np.repeat(start.v[:, None], count, axis=1)
-    memory, vehicles = None, plant.begin(np.full(count, start.x_leader), s, v)
+    memory: object = None
+    vehicles = driven.begin(np.full(count, start.x_leader), s, v)
     J, certified = np.zeros(count), np.ones(count, dtype=bool)
     with np.errstate(all="ignore"):  # a candidate that is not certified may leave the state space: it is not taken
         for _ in range(max(locate(horizon, T)[0], 1)):
-            memory, a, T_max = decide(law, memory, vehicles)
+            memory, a, T_max = decide(cast(Controller[object], law), memory, vehicles)
             certified &= T_max > T
-            vehicles, added = hold(plant, vehicles, a, T, weights)
+            vehicles, added = hold(driven, vehicles, a, T, weights)
             J += sum(added)
     return J, certified
 

@@ -126,8 +126,8 @@ def test_a_closed_loop_lives_with_speeds_at_the_bounds_and_a_rounding_error_beyo
 ) -> None:
     s, v = np.array([90.0, 80.0, 95.0]), np.array([0.0, V_MAX, 0.0, V_MAX])
     platoon = SampledPlatoon.begin(PlatoonState(s, v), shape, sampling=Sampling(0.01, policy))
-    beyond = replace(platoon.now.vehicles, v=v + np.array([-1e-18, 1e-14, -1e-12, 7e-15]))
-    platoon.now = replace(platoon.now, vehicles=beyond)
+    beyond = platoon.now.vehicles._replace(v=v + np.array([-1e-18, 1e-14, -1e-12, 7e-15]))
+    platoon.now = platoon.now._replace(vehicles=beyond)
     platoon.advance_to(1, 0.0)
     for period in range(2, 150):
         platoon.advance_to(period, 0.0)
