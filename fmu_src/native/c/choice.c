@@ -1,4 +1,5 @@
-/* The potential for a start: mirrors psp_model/selection/choose.py and rollout.py. */
+/* The potential for a start: mirrors psp_model/selection/selectors.py and
+ * psp_model/selection/rollout.py. */
 #include "vehicles.h"
 
 #include <math.h>

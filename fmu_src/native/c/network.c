@@ -1,4 +1,5 @@
-/* The networks: layers over the tables in psp_network.h, which come from the ONNX files. */
+/* The networks: layers over the tables in psp_network.h, which come from the ONNX files; mirrors
+ * psp_model/selection/network.py. */
 #include "vehicles.h"
 
 #include <stddef.h>

@@ -1,5 +1,5 @@
-/* From the values of the variables to constants, weights and the choice of the potential: the checks of
- * psp_model/parameters.py and choose.py. */
+/* From the values of the variables to constants, weights and the choice of the potential: mirrors
+ * fmu_src/interface/meaning.py and the checks of psp_model/validate.py. */
 #include "vehicles.h"
 
 #include <math.h>

@@ -29,7 +29,7 @@ typedef struct {
     double s[PSP_N - 1], v[PSP_N], a[PSP_N];
 } Instant;
 
-/* For whom a potential is wanted, and how it is to be chosen (psp_model/selection/choose.py). */
+/* For whom a potential is wanted, and how it is to be chosen (psp_model/selection/selectors.py). */
 typedef struct {
     int n;               /* vehicles, 1 to PSP_N */
     const double *s, *v; /* gaps and speeds, leader first */
@@ -44,7 +44,7 @@ typedef struct {
 enum { SOURCE_NETWORK = 1, SOURCE_FIXED = 2, SOURCE_ROLLOUT = 3 };
 enum { POLICY_ERROR = 1, POLICY_WARN = 2, POLICY_SHORTEN = 3 }; /* the controller does not shorten */
 
-#define TIME_TOLERANCE 1e-6 /* [sampling periods] as in psp_model/platoon.py */
+#define TIME_TOLERANCE 1e-6 /* [sampling periods] as in psp_model/sampling/clock.py */
 #define PERIODS_MAX 9e15    /* more sampling periods cannot be told apart */
 #define LONGEST 1e9         /* [s] T_max of a lone vehicle at rest with v_star is infinite, which importers do not like */
 
