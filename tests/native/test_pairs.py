@@ -1,4 +1,4 @@
-"""pairs.toml is true: every C file of the native FMU and every function in it is listed, and all that is named exists."""
+"""pairs.toml is true: every C file of the native FMU and every function in it is listed, all that is named exists."""
 
 from __future__ import annotations
 
