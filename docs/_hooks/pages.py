@@ -104,7 +104,7 @@ def rooms() -> str:
     for floor in reversed(floors):
         for place, room in enumerate(floor["rooms"]):
             name = "" if place else floor["name"]
-            path = f"`{room['path']}`{{ style=\"white-space: nowrap\" }}"
+            path = f'`{room["path"]}`{{ style="white-space: nowrap" }}'
             lines.append(f"| {name} | {path} | {room['line']} | {', '.join(room.get('foreign', []))} |")
     return _house(floors) + "\n\n" + "\n".join(lines)
 
