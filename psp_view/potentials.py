@@ -9,7 +9,7 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from psp_model.law.potential import PotentialParameters, potential_slope
+from psp_model import PotentialParameters, potential_slope
 from psp_model.parameters import HILL_WIDTH, PlatoonParameters
 
 from .curves import Curve, curve

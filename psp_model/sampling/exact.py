@@ -38,7 +38,7 @@ def first_contact(c: Array, b: Array, a: Array) -> Array:
 
 
 def exact_period(s: Array, v: Array, a: Array, constants: PlatoonParameters) -> Array:
-    """T_exact: the first time at which, under the held accelerations, a spacing falls to L or a speed leaves its bounds.
+    """T_exact: the first time at which, with these accelerations held, a spacing is L or a speed outside its bounds.
 
     Who knows all commands can compute it; Lemma 1 asks each vehicle to be safe whatever its neighbours do (ours).  The
     bounds of the speeds are Lemma 1's own.

@@ -1,8 +1,8 @@
 """Rollouts of the closed loop by the million: the model's own step, written to C by CasADi, compiled for this machine.
 
 There is no second copy of the dynamics here: `_step` calls the model's own period with CasADi symbols.  The C code
-runs 32 rollouts side by side in vector instructions, about 20 times faster than the same functions batched by JAX on the
-same core (benchmarks/offline_speed.py).
+runs 32 rollouts side by side in vector instructions, about 20 times faster than the same functions batched by JAX on
+the same core (benchmarks/offline_speed.py).
 """
 
 from __future__ import annotations
