@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..namespaces import Number
 from ..sampling.hold import DoubleIntegrators, Motion, gaps_after, travelled
 from ..sampling.loop import Vector
 from ..state import PlatoonState
@@ -19,7 +19,7 @@ class StoppingIntegrators(DoubleIntegrators):
     In certified periods nobody does, and these are the paper's vehicles.
     """
 
-    def advance(self, vehicles: Motion, a: Vector, tau: Number) -> tuple[Motion, Vector]:
+    def advance(self, vehicles: Motion, a: Vector, tau: float) -> tuple[Motion, Vector]:
         """See `Plant.advance`."""
         v = vehicles.v + tau * a
         stops = v < 0
@@ -62,7 +62,7 @@ class IdealPlant:
         """
         return cls(Motion(start.x_leader, start.s, start.v), T)
 
-    def advance_to(self, period: int, a: Vector) -> None:
+    def advance_to(self, period: int, a: ArrayLike) -> None:
         """Go to the beginning of a period with the accelerations held.
 
         Parameters
@@ -70,5 +70,6 @@ class IdealPlant:
         period : its number
         a : (n,) accelerations [m/s2]
         """
+        held = np.asarray(a, dtype=np.float64)
         while self.period < period:
-            self.now, self.period = STOPPING.advance(self.now, a, self.T)[0], self.period + 1
+            self.now, self.period = STOPPING.advance(self.now, held, self.T)[0], self.period + 1
