@@ -20,7 +20,7 @@ from .sampling.policy import Lemma1Policy, Sampling
 from .selection.feasible import require_feasible
 from .selection.network import ParameterNetwork
 from .selection.selectors import Request, Selector, selector_for
-from .state import read_only
+from .state import read_only, seal
 
 Vector = NDArray[np.float64]
 
@@ -269,6 +269,7 @@ def _regular(
     a, saturated = np.zeros(settings.capacity), np.zeros(settings.capacity, dtype=bool)
     a[:n] = np.clip(wanted, settings.a_min, settings.a_max)
     saturated[:n] = a[:n] != wanted
+    seal(a, saturated)
     T_max = float(largest_period(s, v, a[:n], constants))
     certified = T_max > T
     counts = (before.violations + (not certified), before.faults, choices)
@@ -284,11 +285,12 @@ def _fail_safe(settings: ControllerSettings, before: Command, measured: Measurem
     a = np.maximum(settings.a_safe, -known / settings.sampling.T)
     n = measured.n_active
     active = int(n) if 1 <= n <= settings.capacity and n == int(n) else settings.capacity
-    a[active:] = 0.0
+    a[active:], saturated = 0.0, np.zeros(settings.capacity, dtype=bool)
+    seal(a, saturated)
     return replace(
         before,
         a=a,
-        saturated=np.zeros(settings.capacity, dtype=bool),
+        saturated=saturated,
         in_order=False,
         T_max=0.0,
         faults=before.faults + 1,

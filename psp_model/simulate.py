@@ -19,7 +19,7 @@ from .sampling.clock import locate
 from .sampling.hold import Plant, Vehicles
 from .sampling.policy import Sampling
 from .selection.selectors import Selector
-from .state import Start, as_state
+from .state import Start, as_state, read_only
 from .validate import validate
 
 
@@ -77,7 +77,7 @@ def simulate(
         rows.append(platoon.observe(*at))
         T_max.append(platoon.now.T_max)
     columns: dict[str, Any] = {
-        name: np.array([getattr(row, name) for row in rows]) for name in ("x", "s", "v", "a", "cost")
+        name: read_only([getattr(row, name) for row in rows]) for name in ("x", "s", "v", "a", "cost")
     }
     told: dict[str, Any] = {"potential": in_use, "warnings": tuple(warnings)}
-    return Run(time=times, T_max=np.array(T_max), violations=platoon.now.violations, **columns, **told)
+    return Run(time=read_only(times), T_max=read_only(T_max), violations=platoon.now.violations, **columns, **told)

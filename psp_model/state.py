@@ -66,6 +66,10 @@ class PlatoonState:
         object.__setattr__(self, "constants", constants or PlatoonParameters())
         object.__setattr__(self, "x_leader", x_leader)
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """Made anew where it is copied or unpickled, as NumPy forgets there that arrays are read-only."""
+        return type(self), (self.s, self.v, self.constants, self.x_leader)
+
     def __repr__(self) -> str:
         s, v = (" ".join(f"{value:.4g}" for value in np.ravel(part)) for part in (self.s, self.v))
         return f"PlatoonState of {self.v.size} vehicles: spacings [{s}] m, speeds [{v}] m/s"

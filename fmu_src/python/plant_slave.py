@@ -49,7 +49,7 @@ class PspPlant(TableSlave):
         for i in np.flatnonzero(~np.isfinite(a)).tolist():
             raise ModelError("finite", f"a[{i + 1}]", a[i], "m/s2")
         self._clock = self._clock.after(current_time, step_size, plant.T)
-        plant.advance_to(self._clock.at()[0], a)
+        self._part = plant.advanced_to(self._clock.at()[0], a)
         self._stale = True
         return True
 

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..sampling.hold import DoubleIntegrators, Motion, gaps_after, travelled
 from ..sampling.loop import Vector
-from ..state import PlatoonState
+from ..state import PlatoonState, seal
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class StoppingIntegrators(DoubleIntegrators):
 STOPPING = StoppingIntegrators()
 
 
-@dataclass
+@dataclass(frozen=True, eq=False)
 class IdealPlant:
     """Double integrators that do not reverse, driven period by period (ours).
 
@@ -62,14 +62,16 @@ class IdealPlant:
         """
         return cls(Motion(start.x_leader, start.s, start.v), T)
 
-    def advance_to(self, period: int, a: ArrayLike) -> None:
-        """Go to the beginning of a period with the accelerations held.
+    def advanced_to(self, period: int, a: ArrayLike) -> IdealPlant:
+        """The plant at the beginning of a period, the accelerations held until then; this one where that is past.
 
         Parameters
         ----------
         period : its number
         a : (n,) accelerations [m/s2]
         """
-        held = np.asarray(a, dtype=np.float64)
-        while self.period < period:
-            self.now, self.period = STOPPING.advance(self.now, held, self.T)[0], self.period + 1
+        now, held = self.now, np.asarray(a, dtype=np.float64)
+        for _ in range(self.period, period):
+            now = STOPPING.advance(now, held, self.T)[0]
+        seal(now.s, now.v)
+        return IdealPlant(now, self.T, max(self.period, period))

@@ -112,10 +112,10 @@ def test_the_plant_s_vehicles_do_not_reverse(v: list[float], a: list[float], T: 
 
 def test_a_plant_that_brakes_at_standstill_stands_exactly() -> None:
     plant = IdealPlant.begin(PlatoonState(np.array([6.0, 7.0]), np.array([0.005, 0.0, 3.0])), 0.01)
-    plant.advance_to(1, np.array([-1.0, -2.0, -8.0]))
+    plant = plant.advanced_to(1, np.array([-1.0, -2.0, -8.0]))
     seen = plant.now
     assert seen.v.tolist() == [0.0, 0.0, 3.0 - 0.08]
-    plant.advance_to(1000, np.array([-1.0, -2.0, -8.0]))
+    plant = plant.advanced_to(1000, np.array([-1.0, -2.0, -8.0]))
     assert plant.now.v.tolist() == [0.0] * 3 and plant.now.x == seen.x and plant.now.s[0] == seen.s[0]
 
 

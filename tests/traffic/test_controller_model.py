@@ -29,7 +29,7 @@ def test_controller_and_plant_are_the_platoon(vehicles, old):
         np.testing.assert_allclose(plant.now.positions(), run.x[k], rtol=0, atol=1e-9)
         np.testing.assert_allclose(controller.now.a, run.a[k], rtol=0, atol=1e-9)
         assert controller.now.T_max == pytest.approx(run.T_max[k], abs=1e-9)
-        plant.advance_to(k + 1, controller.now.a)
+        plant = plant.advanced_to(k + 1, controller.now.a)
 
 
 @pytest.mark.parametrize("policy", [Lemma1Policy.ERROR, Lemma1Policy.WARN])

@@ -50,7 +50,7 @@ def drive(
         a = controller.now.a.copy()
         if leader is not None:
             a[0] = (leader((k + 1) * T) - now.v[0]) / T
-        plant.advance_to(k + 1, a)
+        plant = plant.advanced_to(k + 1, a)
         seen.append(plant.now)
     return seen
 
