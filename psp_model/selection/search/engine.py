@@ -1,8 +1,8 @@
 """Rollouts of the closed loop by the million: the model's own step, written to C by CasADi, compiled for this machine.
 
-There is no second copy of the dynamics here: `_step` calls the model's own period with CasADi symbols.  The C code runs 32 rollouts
-side by side in vector instructions, about 20 times faster than the same functions batched by JAX on the same core
-(benchmarks/offline_speed.py).
+There is no second copy of the dynamics here: `_step` calls the model's own period with CasADi symbols.  The C code runs
+32 rollouts side by side in vector instructions, about 20 times faster than the same functions batched by JAX on the
+same core (benchmarks/offline_speed.py).
 """
 
 from __future__ import annotations
@@ -111,9 +111,9 @@ def _source(problem: Problem, form: _Form) -> str:
     constants = ", ".join(f"{name} = {size}" for name, size in sizes.items())
     head = ["#include <stddef.h>", "#include <stdint.h>", f"typedef {form.real} REAL;", f"enum {{ {constants} }};"]
     head.append((_HERE / "vector_math.h").read_text() if single else "#include <math.h>")
-    step = _step(problem, form)
-    step = step.replace("static int casadi_f0", "static inline __attribute__((always_inline)) int casadi_f0", 1)
-    return "\n".join([*head, step, (_HERE / "rollouts.c").read_text()])
+    # CasADi defines it as `static int`: what was declared before holds on, and the lanes need it inlined
+    head.append("static inline __attribute__((always_inline)) int step_f0(const REAL **, REAL **, int *, REAL *, int);")
+    return "\n".join([*head, _step(problem, form), (_HERE / "rollouts.c").read_text()])
 
 
 def _cache() -> Path:
