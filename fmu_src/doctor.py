@@ -93,7 +93,7 @@ def _libraries(names: set[str], model: str) -> Iterator[Finding]:
     if platform in has:
         yield Finding(True, f"there is a library for this machine ({platform})")
     elif any(part.startswith("sources/") for part in names):
-        remedy = f"run `fmpy compile {model}.fmu` here, or build with --platforms all"
+        remedy = f"run `fmpy compile {model}.fmu` here, or build it for all platforms"
         yield Finding(False, f"there are libraries for {', '.join(has)} and none for {platform}", remedy)
     else:
         remedy = "use the native FMU, whose sources can be compiled here"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -11,6 +11,9 @@ from .bad_input import BadInput
 from .interrupt import can_go_on
 from .options import command_line
 from .output import say
+
+if TYPE_CHECKING:
+    from psp_model.offline.parquet import Dataset
 
 
 def dataset(
@@ -43,3 +46,14 @@ def dataset(
     with chunks_done(f"{starts} starts of {vehicles} vehicles", plan.chunk) as watch:
         make_dataset(plan, path, resume=resume, scheduler=scheduler, watch=watch)
     say(path)
+
+
+def made_by(data: Dataset) -> str:
+    """The command that makes a data set.
+
+    Parameters
+    ----------
+    data : the data set
+    """
+    drawn = f"--starts {data.drawn} --seed {data.seed} --effort {data.effort}"
+    return f"psp dataset --vehicles {data.problem.vehicles} {drawn}"

@@ -70,25 +70,28 @@ def _report(judged: list[Evaluation], network: Path, output: Path, card: bool, p
 
     from rich.markdown import Markdown
 
-    from psp_model.offline.by_number import by_number_dict, regret_markdown, regret_picture
-    from psp_model.offline.evaluate import as_dict, as_markdown, picture
+    from psp_model.offline.by_number import by_number_dict, regret_markdown
+    from psp_model.offline.evaluate import as_dict, as_markdown
     from psp_model.offline.model_card import write_card
     from psp_model.whole_file import write_whole
+    from psp_view.training import draw_regret, draw_regret_by_number, save_png
+
+    from .dataset import made_by
 
     command = "psp " + " ".join(sys.argv[1:])
     image = output / f"{network.stem}.png"
     if len(judged) == 1:
         table, content = as_markdown(judged[0].scores), as_dict(judged[0])
-        picture(judged[0], image, command)
+        save_png(draw_regret(judged[0], command), image)
     else:
         content = by_number_dict(judged)
         table = regret_markdown(content)
-        regret_picture(content, image, command)
+        save_png(draw_regret_by_number(content, command), image)
     write_whole(output / f"{network.stem}.json", json.dumps(content | {"command": command}, indent=1) + "\n")
     console(width=160).print(Markdown(table))
     say(image)
     if card:
-        say(write_card(network, judged, command))
+        say(write_card(network, judged, command, [made_by(each.data) for each in judged]))
     if place is not None:
         write_json(place, content)
 

@@ -63,7 +63,8 @@ def _makers(cases: list[Case]) -> dict[str, Callable[[str], Any]]:
 
 def _landscape(cases: list[Case], command: str) -> Any:
     """The landscape from the first case's start, with what the cases chose on it."""
-    from psp_view.landscape import draw_landscape, landscape, optimum
+    from psp_model.analysis.landscape import landscape, optimum
+    from psp_view.landscape import draw_landscape
 
     setup = cases[0].setup
     scene = landscape(setup.start, weights=setup.weights, T=setup.sampling.T)

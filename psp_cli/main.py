@@ -68,7 +68,9 @@ class Commands(TyperGroup):
         except Exception as error:
             if not of_the_user(error):
                 raise
-            typer.echo(f"psp: {_one_line(str(error))}", err=True)
+            from .remedies import said_of
+
+            typer.echo(f"psp: {_one_line(said_of(error))}", err=True)
             raise typer.Exit(2) from None
 
 

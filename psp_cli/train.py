@@ -103,14 +103,17 @@ def _train(
     from psp_model.offline.export import check_export
     from psp_model.offline.onnx_file import Provenance, write_network
     from psp_model.offline.ranking import train_ranking
-    from psp_model.offline.recipes import curves
     from psp_model.offline.recipes import train as fit_parameters
+    from psp_view.training import draw_losses, save_png
+
+    from .dataset import made_by
 
     command = "psp " + " ".join(sys.argv[1:])
     with epochs_done(recipe.name, recipe.schedule.epochs) as watch:
         parameters = fit_parameters(data, recipe, seed, files.checkpoint("parameters"), watch)
     label = "mean squared error" if recipe.name == "mse" else "regret"
-    curves(parameters.fit.history, parameters.fit.best_epoch, files.picture("parameters"), command, label)
+    losses = draw_losses(parameters.fit.history, parameters.fit.best_epoch, command, label)
+    save_png(losses, files.picture("parameters"), dpi=100)
     say(f"{label} on the test part: {parameters.test_loss:.5f} (epoch {parameters.fit.best_epoch + 1} kept)")
     ranking: Any = None
     dictionary = None
@@ -119,9 +122,11 @@ def _train(
             ranking, dictionary = train_ranking(
                 data, parameters.structure, candidates, ranking_hidden, seed, files.checkpoint("ranking"), watch
             )
-        curves(ranking.fit.history, ranking.fit.best_epoch, files.picture("ranking"), command, "cross entropy")
+        losses = draw_losses(ranking.fit.history, ranking.fit.best_epoch, command, "cross entropy")
+        save_png(losses, files.picture("ranking"), dpi=100)
     numbers = data.vehicles if recipe.per_gap else None
-    origin = Provenance(data.problem, data.domain, recipe.name, data.sha256, command, seed, data.command, numbers)
+    made = "; ".join(made_by(each) for each in data.sets)
+    origin = Provenance(data.problem, data.domain, recipe.name, data.sha256, command, seed, made, numbers)
     write_network(files.output, parameters.layers, origin, ranking and ranking.layers, dictionary, parameters.structure)
     check_export(files.output, data, parameters, ranking)
 

@@ -84,10 +84,13 @@ SENTENCES = {
     "networks": "%s holds no networks, although this project brings some: install it anew, or put the folder back",
     "onnxruntime": "the Python %s cannot import onnxruntime (%s): run %s -m pip install onnxruntime, or use "
     "parameter_source 2, or the native FMU",
+    "start": "the start %s is neither a PlatoonState nor a pair of numbers: give n - 1 spacings and n speeds, as in "
+    "([9, 10], [30, 30, 30])",
+    "potential": "%s is neither a potential nor a selector: give one, or one of the words %s",
     "duration": "duration = %.10g s must be finite and not negative: give the run a length of 0 s or more",
     "batch_empty": "there are no starts to run: give at least one",
-    "batch_starts": "start %d, with %d vehicles, does not go with the first, with %d: give all starts of a batch the same "
-    "number of vehicles, at least 2, and the same constants",
+    "batch_starts": "start %d, with %d vehicles, does not go with the first, with %d: give all starts of a batch the "
+    "same number of vehicles, at least 2, and the same constants",
     "batch_potentials": "%d potentials do not fit %d starts: give one for all, or one for each",
     "output_step": "output_step = %.10g s must be positive and finite: give it a time above 0 s",
     "a_min": "a_min = %.10g m/s2 must be negative, as a vehicle has to be able to slow down: give it a value below "

@@ -38,6 +38,17 @@ def figures_table(title: str, figures: Sequence[Figure]) -> str:
     return "\n".join([title, *rows])
 
 
+def warned(warnings: Sequence[str]) -> list[str]:
+    """The first of some warnings as text below a table, and how many more there are.
+
+    Parameters
+    ----------
+    warnings : sentences
+    """
+    more = f" (and {len(warnings) - 1} more)" if len(warnings) > 1 else ""
+    return [f"  warning: {warnings[0]}{more}"] if warnings else []
+
+
 def _suffix(unit: str) -> str:
     return "" if unit == "1" else f" {unit}"
 

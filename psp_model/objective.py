@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from .namespaces import total
+from .namespaces import Array, Number, total
 from .parameters import ObjectiveWeights
 
 HORIZON = 20.0  # [s] t_f - t_0 (ours: the paper gives none)
 
 
-def running_cost(s: Any, v: Any, a: Any, tau: Any, weights: ObjectiveWeights) -> tuple[Any, Any]:
+def running_cost(s: Array, v: Array, a: Array, tau: Number, weights: ObjectiveWeights) -> tuple[Array, Array]:
     """What a time tau after a sampling instant adds to the two terms of J, exactly (paper, eq. of the objective).
 
     w1 tau sum a^2 / a_ref^2 and w2 sum (tau s + tau^2/2 Dv + tau^3/6 Da) / s_ref: the accelerations are held and the
@@ -31,7 +29,7 @@ def running_cost(s: Any, v: Any, a: Any, tau: Any, weights: ObjectiveWeights) ->
     return acceleration_cost(total(a * a), tau, weights), gap_cost(total(s), *ends, tau, weights)
 
 
-def acceleration_cost(squares: Any, tau: Any, weights: Any) -> Any:
+def acceleration_cost(squares: Array, tau: Number, weights: ObjectiveWeights) -> Array:
     """w1 tau sum a^2 / a_ref^2 (paper, first term of the objective).
 
     Parameters
@@ -47,7 +45,7 @@ def acceleration_cost(squares: Any, tau: Any, weights: Any) -> Any:
     return weights.w1 * tau * squares / weights.a_ref / weights.a_ref  # a_ref^2 might overflow or vanish
 
 
-def gap_cost(gaps: Any, dv: Any, da: Any, tau: Any, weights: Any) -> Any:
+def gap_cost(gaps: Array, dv: Array, da: Array, tau: Number, weights: ObjectiveWeights) -> Array:
     """w2 (tau sum s + tau^2/2 dv + tau^3/6 da) / s_ref (paper, second term of the objective).
 
     Parameters

@@ -6,6 +6,9 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any, TypeVar, cast
 
+import numpy as np
+from numpy.typing import NDArray
+
 Struct = TypeVar("Struct")
 
 HILL_WIDTH = 3.0  # [m] the paper's convention: the hill spans [r, r + 3 m]
@@ -72,9 +75,9 @@ class Actuation:
     """
 
     actuation_delay: float = 0.0
-    actuator_lag: Any = 0.0
-    a_min: Any = -inf
-    a_max: Any = inf
+    actuator_lag: float | NDArray[np.float64] = 0.0
+    a_min: float | NDArray[np.float64] = -inf
+    a_max: float | NDArray[np.float64] = inf
 
 
 def generic(kind: type[Struct], **fields: Any) -> Struct:

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import NamedTuple, cast
 
 import numpy as np
 
 from .callbacks import Warns, silent
 from .errors import ModelError
-from .law.controller import MakeController, PaperLaw
+from .law.controller import Controller, MakeController, Memory, PaperLaw
 from .law.potential import Potential
 from .parameters import ObjectiveWeights, PlatoonParameters
-from .sampling.hold import IDEAL, Plant
+from .sampling.hold import IDEAL, Moving, Plant, Vehicles
 from .sampling.loop import (
     SHORTEST,
     Instant,
@@ -32,8 +32,7 @@ from .state import PlatoonState
 from .validate import validate
 
 
-@dataclass(frozen=True, eq=False)
-class Observation:
+class Observation(NamedTuple):
     """The platoon at some time, as the FMU puts it out.
 
     Attributes
@@ -55,8 +54,8 @@ def loop_of(
     constants: PlatoonParameters,
     weights: ObjectiveWeights,
     sampling: Sampling,
-    controller: MakeController = PaperLaw,
-    plant: Plant[Any] = IDEAL,
+    controller: MakeController[Memory] | None = None,
+    plant: Plant[Vehicles] | None = None,
 ) -> Loop:
     """The pure loop that a platoon drives (ours).
 
@@ -65,10 +64,13 @@ def loop_of(
     shape, constants, weights, sampling, controller, plant : as `SampledPlatoon.begin` takes them
     """
     shorten = sampling.policy == Lemma1Policy.SHORTEN
-    return Loop(controller(shape, constants), weights, sampling.T, shorten, plant)
+    law: object = PaperLaw(shape, constants) if controller is None else controller(shape, constants)
+    # the loop hands controller and plant what they have returned, and nothing else: it need not know those types
+    driven = cast(Plant[Moving], IDEAL if plant is None else plant)
+    return Loop(cast(Controller[object], law), weights, sampling.T, driven, shorten)
 
 
-@dataclass
+@dataclass(eq=False)
 class SampledPlatoon(Warns):
     """n vehicles under sampled-data feedback; what happens at the sampling instants is independent of who looks when.
 
@@ -100,8 +102,8 @@ class SampledPlatoon(Warns):
         sampling: Sampling | None = None,
         warn: Callable[[str], None] = silent,
         *,
-        controller: MakeController = PaperLaw,
-        plant: Plant[Any] = IDEAL,
+        controller: MakeController[Memory] | None = None,
+        plant: Plant[Vehicles] | None = None,
     ) -> SampledPlatoon:
         """A platoon at its first sampling instant.
 
@@ -196,14 +198,15 @@ class SampledPlatoon(Warns):
             to go back to, None if none was passed
         """
         short, to, self.partway = 0, (period, fraction), None
-        while (now := self.now).ends <= to:
-            if now.fraction + now.span < 1.0:
+        while (ends := (now := self.now).ends) <= to:
+            if ends[1] > 0.0:
                 short += 1
                 if short > self.sampling.max_short_periods or now.span <= SHORTEST:
                     time = (now.period + now.fraction) * self.loop.T
                     raise ModelError("short_periods", self.sampling.max_short_periods, time, now.T_max)
             self.now, verdict = step(self.loop, now)
-            self._act(now, self.now, verdict)
+            if verdict is not Verdict.CERTIFIED:
+                self._act(now, self.now, verdict)
             self.partway = self.now
 
     def observe(self, period: int, fraction: float) -> Observation:
@@ -218,4 +221,4 @@ class SampledPlatoon(Warns):
         vehicles, cost = (now.vehicles, now.cost) if tau == 0.0 else after(self.loop, now, tau)
         behind = np.empty(vehicles.v.size)
         behind[0], behind[1:] = vehicles.x, vehicles.s
-        return Observation(np.subtract.accumulate(behind), vehicles.s, vehicles.v, now.a, cost)
+        return Observation(np.subtract.accumulate(behind), vehicles.s, vehicles.v, now.a, np.array(cost))

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .figures import Figure, figures_table, largest, smallest
+from .figures import Figure, figures_table, largest, smallest, warned
+from .law.potential import Potential
 from .show import picture
+from .state import shortened
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -23,6 +25,9 @@ class Run:
     T_max : (K,) Lemma 1's bound at the last sampling instant [s]
     cost : (K, 2) running terms of J, of acceleration and of gaps
     violations : sampling instants at which T was not certified
+    potential : in use, None where the run does not say
+    warnings : sentences, in the order in which they came: why another potential is in use than asked for, and where
+        policy 2 went on without a certificate
     """
 
     time: NDArray[np.float64]
@@ -33,6 +38,8 @@ class Run:
     T_max: NDArray[np.float64]
     cost: NDArray[np.float64]
     violations: int
+    potential: Potential | None = None
+    warnings: tuple[str, ...] = ()
 
     @property
     def J(self) -> float:
@@ -56,8 +63,9 @@ class Run:
 
     def __repr__(self) -> str:
         """A short table."""
-        title = f"Run of {self.v.shape[1]} vehicles over {self.time[-1]:g} s"
-        return figures_table(title, self.figures())
+        with_it = "" if self.potential is None else f", {shortened(str(self.potential))}"
+        title = f"Run of {self.v.shape[1]} vehicles over {self.time[-1]:g} s{with_it}"
+        return "\n".join([figures_table(title, self.figures()), *warned(self.warnings)])
 
     def _repr_html_(self) -> str:
         """The picture that notebooks show: spacings, accelerations and speeds over time."""

@@ -7,36 +7,41 @@ from typing import Any
 
 import numpy as np
 
+from .chosen import Word, potential_for
 from .errors import ModelError
-from .law.controller import MakeController, PaperLaw
+from .law.controller import MakeController, Memory
 from .law.potential import Potential
 from .objective import HORIZON
 from .parameters import ObjectiveWeights
 from .platoon import SampledPlatoon
 from .run import Run
 from .sampling.clock import locate
-from .sampling.hold import IDEAL, Plant
+from .sampling.hold import Plant, Vehicles
 from .sampling.policy import Sampling
-from .state import PlatoonState
+from .selection.selectors import Selector
+from .state import Start, as_state
+from .validate import validate
 
 
 def simulate(
-    start: PlatoonState,
-    shape: Potential,
+    start: Start,
+    potential: Potential | Selector | Word,
     *,
     weights: ObjectiveWeights | None = None,
     sampling: Sampling | None = None,
     duration: float = HORIZON,
     output_step: float | None = None,
-    controller: MakeController = PaperLaw,
-    plant: Plant[Any] = IDEAL,
+    controller: MakeController[Memory] | None = None,
+    plant: Plant[Vehicles] | None = None,
 ) -> Run:
     """Run a platoon from its initial state.
 
     Parameters
     ----------
-    start : initial state
-    shape : the potential
+    start : initial state, or a pair of (n-1,) spacings [m] and (n,) speeds [m/s], lists or arrays
+    potential : potential; or a selector, or one of the words "network" (this project's own for n vehicles; outside its
+        domain the fallback, with a warning), "fixed" (`BEST_FIXED`), "old" (`V_OLD`) and "rollouts" (the best of the
+        network's candidates, each rolled out from the start)
     weights : of the objective; the paper's by default
     sampling : period and policy; T = 0.01 s and errors by default
     duration : [s]
@@ -46,19 +51,24 @@ def simulate(
 
     Returns
     -------
-    Run
+    Run, with the potential in use and all warnings
 
     Raises
     ------
     ModelError : as `SampledPlatoon` does, and where duration or output_step makes no sense
     """
-    sampling = sampling or Sampling()
+    weights, sampling = validate(weights or ObjectiveWeights()), validate(sampling or Sampling())
     step = sampling.T if output_step is None else output_step
     if not 0 <= duration < inf:
         raise ModelError("duration", duration)
     if not 0 < step < inf:
         raise ModelError("output_step", step)
-    platoon = SampledPlatoon.begin(start, shape, weights, sampling, controller=controller, plant=plant)
+    start = validate(as_state(start))
+    in_use, warning = potential_for(start, potential, weights, sampling)
+    warnings = [] if warning is None else [warning]
+    platoon = SampledPlatoon.begin(
+        start, in_use, weights, sampling, warnings.append, controller=controller, plant=plant
+    )
     times = step * np.arange(locate(duration, step)[0] + 1, dtype=np.float64)
     rows, T_max = [], []
     for time in times:
@@ -66,5 +76,8 @@ def simulate(
         platoon.advance_to(*at)
         rows.append(platoon.observe(*at))
         T_max.append(platoon.now.T_max)
-    columns = {name: np.array([getattr(row, name) for row in rows]) for name in ("x", "s", "v", "a", "cost")}
-    return Run(time=times, T_max=np.array(T_max), violations=platoon.now.violations, **columns)
+    columns: dict[str, Any] = {
+        name: np.array([getattr(row, name) for row in rows]) for name in ("x", "s", "v", "a", "cost")
+    }
+    told: dict[str, Any] = {"potential": in_use, "warnings": tuple(warnings)}
+    return Run(time=times, T_max=np.array(T_max), violations=platoon.now.violations, **columns, **told)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .errors import ModelError
 from .parameters import PlatoonParameters
 
 
@@ -25,6 +25,18 @@ def read_only(values: ArrayLike) -> NDArray[np.float64]:
     array = np.array(values, dtype=np.float64)
     array.flags.writeable = False
     return array
+
+
+def seal(*arrays: object) -> None:
+    """Make NumPy arrays read-only before they are handed out; arrays of other libraries are so in any case (ours).
+
+    Parameters
+    ----------
+    arrays : of any shape
+    """
+    for array in arrays:
+        if isinstance(array, np.ndarray):
+            array.setflags(False)  # type: ignore[call-arg]  # `write`; three times as fast as by name
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -54,6 +66,46 @@ class PlatoonState:
         object.__setattr__(self, "constants", constants or PlatoonParameters())
         object.__setattr__(self, "x_leader", x_leader)
 
+    def __repr__(self) -> str:
+        s, v = (" ".join(f"{value:.4g}" for value in np.ravel(part)) for part in (self.s, self.v))
+        return f"PlatoonState of {self.v.size} vehicles: spacings [{s}] m, speeds [{v}] m/s"
+
+
+Start = PlatoonState | tuple[ArrayLike, ArrayLike] | list[ArrayLike]
+"""A start as people write it: a state, or a pair of (n-1,) spacings [m] and (n,) speeds [m/s]."""
+
+
+def as_state(start: Start) -> PlatoonState:
+    """The state that a start stands for, with the paper's constants where it is a pair (ours).
+
+    Parameters
+    ----------
+    start : a state, or a pair of spacings and speeds
+
+    Raises
+    ------
+    ModelError : where it is neither
+    """
+    if isinstance(start, PlatoonState):
+        return start
+    try:
+        s, v = start
+        return PlatoonState(s, v)
+    except (TypeError, ValueError):
+        raise ModelError("start", shortened(repr(start))) from None
+
+
+def shortened(text: str, most: int = 60) -> str:
+    """A text on one line, for sentences (ours).
+
+    Parameters
+    ----------
+    text : of any length
+    most : characters that are left of it
+    """
+    text = " ".join(text.split())
+    return text if len(text) <= most else f"{text[: most - 4]} ..."
+
 
 @dataclass(frozen=True)
 class StartDomain:
@@ -74,7 +126,7 @@ class StartDomain:
     standstill: float = 5.0
     headway: float = 0.1
 
-    def contains(self, s: Any, v: Any) -> Any:
+    def contains(self, s: ArrayLike, v: ArrayLike) -> NDArray[np.bool_] | np.bool_:
         """Whether each start lies in the domain: inside all bounds and s_i > standstill + headway v_i.
 
         Parameters
@@ -86,11 +138,14 @@ class StartDomain:
         -------
         (...) array of booleans
         """
+        s, v = np.asarray(s), np.asarray(v)
         inside = ((s >= self.gap_min) & (s <= self.gap_max)).all(axis=0)
-        inside &= ((v >= self.speed_min) & (v <= self.speed_max)).all(axis=0)
+        inside = inside & ((v >= self.speed_min) & (v <= self.speed_max)).all(axis=0)
         return inside & (s > self.standstill + self.headway * v[1:]).all(axis=0)
 
-    def draw(self, rng: np.random.Generator, vehicles: int, count: int) -> tuple[Any, Any]:
+    def draw(
+        self, rng: np.random.Generator, vehicles: int, count: int
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Independent starts, uniform over the domain.
 
         Every vehicle's gap and speed are drawn together and drawn again until they keep the headway, which is

@@ -94,10 +94,10 @@ def _(cooperation: Cooperation) -> None:
     for name in ("kappa", "time_gap", "closing_speed"):
         value, unit = getattr(cooperation, name), quantity_of(name).unit
         _require(value >= 0, "not_negative", name, value, unit, unit)
-    _require(0 <= cooperation.feedforward <= 1, "feedforward", cooperation.feedforward)
+    _require(bool(0 <= cooperation.feedforward <= 1), "feedforward", cooperation.feedforward)
     _require(cooperation.following in (NEAREST, PREDECESSOR), "following", cooperation.following)
     spacing, reach = cooperation.closing_spacing, cooperation.closing_reach
-    _require(reach > spacing, "reach", "closing_reach", reach, "closing_spacing", spacing)
+    _require(bool(reach > spacing), "reach", "closing_reach", reach, "closing_spacing", spacing)
     for i, length in enumerate(np.ravel([] if cooperation.length is None else cooperation.length).tolist(), start=1):
         _require(isfinite(length), "finite", f"length[{i}]", length, "m")
         _require(length > 0, "length", i, length, i)

@@ -55,8 +55,8 @@ class ControllerFmu:
         """
         if vehicles > self.capacity:
             raise TrafficError(
-                f"{vehicles} vehicles do not fit: this controller is for {self.capacity} at most, build one with "
-                f"build_fmu.py --component controller --vehicles {vehicles}"
+                f"{vehicles} vehicles do not fit: this controller is for {self.capacity} at most, build one for "
+                f"{vehicles}"
             )
 
     def references(self, *names: str) -> Any:

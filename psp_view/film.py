@@ -14,11 +14,11 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from psp_model.analysis.cases import Case
+from psp_model.analysis.motion import moving_frame
 from psp_model.errors import PspError
 from psp_model.parameters import PlatoonParameters
 from psp_model.whole_file import whole_file
 
-from .moving_frame import moving_frame
 from .palette import colours
 from .style import RC, new_figure
 

@@ -5,31 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import matplotlib
-import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from psp_model.analysis.motion import closing_speeds, moving_frame
 from psp_model.parameters import PlatoonParameters
 from psp_model.run import Run
-from psp_model.sampling.hold import relative
 
-from .moving_frame import moving_frame
 from .palette import colours
 from .style import RC, caption, new_figure
-
-
-def closing_speeds(run: Run) -> NDArray[np.float64]:
-    """ds_i/dt = v_{i-1} - v_i.
-
-    Parameters
-    ----------
-    run : the run
-
-    Returns
-    -------
-    (K, n-1) array [m/s]
-    """
-    return relative(run.v.T).T
 
 
 def draw_space_time(runs: Mapping[str, Run], command: str, constants: PlatoonParameters | None = None) -> Figure:

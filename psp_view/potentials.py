@@ -1,4 +1,4 @@
-"""V_new and its slope under alpha, r and p (the paper's figures of both), and the numbers behind them."""
+"""V_new and its slope under alpha, r and p (the paper's figures of both)."""
 
 from __future__ import annotations
 
@@ -6,13 +6,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import matplotlib
-import numpy as np
 from matplotlib.figure import Figure
 
-from psp_model.law.potential import PotentialParameters, potential_slope
-from psp_model.parameters import HILL_WIDTH, PlatoonParameters
+from psp_model.analysis.curves import Curve, curve
+from psp_model.law.potential import PotentialParameters
+from psp_model.parameters import PlatoonParameters
 
-from .curves import Curve, curve
 from .palette import colours
 from .style import LINE_STYLES, RC, caption, new_figure
 
@@ -45,40 +44,6 @@ def family(name: str, values: Sequence[float], constants: PlatoonParameters, bas
         curve(shape, constants, f"{_LETTERS[name]} = {value:g}{_UNITS[name]}")
         for shape, value in zip(shapes, values, strict=True)
     ]
-
-
-def hill(shape: PotentialParameters, constants: PlatoonParameters) -> tuple[float, float] | None:
-    """Where the hill's local minimum and its crest lie: the sign changes of V' on [r, r + 3] (ours).
-
-    Parameters
-    ----------
-    shape : the potential
-    constants : L and lambda
-
-    Returns
-    -------
-    gap of the minimum and gap of the crest [m], or None where V falls all the way
-    """
-    if not shape.hill:
-        return None
-    s = shape.r + np.linspace(0.0, HILL_WIDTH, 3001)
-    rising = np.flatnonzero(potential_slope(s, shape, constants) > 0)
-    if rising.size == 0:
-        return None
-    first, last = int(rising[0]), int(rising[-1])
-    # V' <= 0 at both ends of the hill, so a sample lies before the first and after the last that rises
-    return _root(s[first - 1], s[first], shape, constants), _root(s[last + 1], s[last], shape, constants)
-
-
-def _root(falling: float, rising: float, shape: PotentialParameters, constants: PlatoonParameters) -> float:
-    """Bisect for the zero of V' between a gap where it is at most 0 and one where it is above."""
-    for _ in range(60):
-        middle = 0.5 * (falling + rising)
-        if potential_slope(middle, shape, constants) > 0:
-            rising = middle
-        else:
-            falling = middle
-    return 0.5 * (falling + rising)
 
 
 def draw_potentials(command: str, constants: PlatoonParameters | None = None) -> Figure:

@@ -50,7 +50,7 @@ def run_from_result(result: Any) -> Run:
 
 
 def read_csv(path: str | Path) -> Any:
-    """The structured array that `fmpy.util.write_csv` or `psp simulate --csv` wrote to a file.
+    """The structured array that `fmpy.util.write_csv` or `write_csv` wrote to a file.
 
     Parameters
     ----------

@@ -100,34 +100,53 @@ def rooms() -> str:
     import tomllib
 
     floors = tomllib.loads((ROOT / "docs" / "rooms.toml").read_text(encoding="utf-8"))["floors"]
-    lines = ["| floor | room | what is in it | knows |", "|---|---|---|---|"]
+    lines = ["| floor | room | what is in it | packages that it knows |", "|---|---|---|---|"]
     for floor in reversed(floors):
-        for room in floor["rooms"]:
-            foreign = ", ".join(room.get("foreign", []))
-            lines.append(f"| {floor['name']} | `{room['path']}` | {room['line']} | {foreign} |")
+        for place, room in enumerate(floor["rooms"]):
+            name = "" if place else floor["name"]
+            path = f'`{room["path"]}`{{ style="white-space: nowrap" }}'
+            lines.append(f"| {name} | {path} | {room['line']} | {', '.join(room.get('foreign', []))} |")
     return _house(floors) + "\n\n" + "\n".join(lines)
 
 
+_WIDTH, _HEIGHT, _LEFT = 860, 46, 142
+_TINTS = {"psp_model": "#0072b2", "fmu_src": "#d55e00", "other packages": "#009e73"}  # Okabe and Ito (2008)
+
+
 def _house(floors: list[dict[str, Any]]) -> str:
-    """The floors as SVG, one above the other."""
-    width, height, left = 860, 58, 210
+    """The floors as SVG, one above the other; it stands on light and on dark ground."""
     parts = []
     for place, floor in enumerate(reversed(floors)):
-        top, count = place * height, len(floor["rooms"])
-        parts.append(f'<text x="0" y="{top + 32}" font-weight="bold">{floor["name"]}</text>')
-        each = (width - left) / count
-        for k, room in enumerate(floor["rooms"]):
-            x, name = left + k * each, room["path"].removeprefix("psp_model/") if count > 3 else room["path"]
-            box = f'x="{x + 3:.0f}" y="{top + 6}" width="{each - 6:.0f}" height="{height - 16}" rx="5"'
-            parts.append(f'<rect {box} fill="none" stroke="currentColor"/>')
-            parts.append(f'<text x="{x + each / 2:.0f}" y="{top + 32}" text-anchor="middle">{name}</text>')
-    total = len(floors) * height
-    line = f'x1="{left - 14}" y1="8" x2="{left - 14}" y2="{total - 14}" stroke="currentColor"'
-    tip = f"{left - 18},{total - 20} {left - 14},{total - 10} {left - 10},{total - 20}"
+        top, each = place * _HEIGHT, (_WIDTH - _LEFT) / len(floor["rooms"])
+        parts.append(f'<text x="0" y="{top + 25}" font-weight="bold">{floor["name"]}</text>')
+        parts += [_box(room, _LEFT + k * each, top, each) for k, room in enumerate(floor["rooms"])]
+    bottom = len(floors) * _HEIGHT
+    line = f'x1="{_LEFT - 12}" y1="6" x2="{_LEFT - 12}" y2="{bottom - 14}" stroke="currentColor"'
+    tip = f"{_LEFT - 16},{bottom - 18} {_LEFT - 12},{bottom - 8} {_LEFT - 8},{bottom - 18}"
     parts.append(f'<line {line}/><polygon points="{tip}" fill="currentColor"/>')
-    style = "font:12px sans-serif;fill:currentColor;max-width:100%;height:auto"
-    title = "<title>Imports point down.</title>"
-    return f'<svg viewBox="0 0 {width} {total}" width="{width}" style="{style}">{title}{"".join(parts)}</svg>'
+    parts.append(f'<text x="{_LEFT}" y="{bottom + 16}">The arrow says which way imports go.</text>')
+    for k, (package, colour) in enumerate(_TINTS.items()):
+        x = _LEFT + 300 + 130 * k
+        parts.append(f'<rect x="{x}" y="{bottom + 5}" width="14" height="14" rx="3" {_painted(colour)}/>')
+        parts.append(f'<text x="{x + 20}" y="{bottom + 16}">{package}</text>')
+    style = "font:13px sans-serif;fill:currentColor;max-width:100%;height:auto"
+    title = "<title>The rooms; imports point down.</title>"
+    size = f'viewBox="0 0 {_WIDTH} {bottom + 24}" width="{_WIDTH}"'
+    return f'<svg xmlns="http://www.w3.org/2000/svg" {size} style="{style}">{title}{"".join(parts)}</svg>'
+
+
+def _box(room: dict[str, Any], x: float, top: int, width: float) -> str:
+    """A room: its name, and its line where the mouse rests on it."""
+    package = room["path"].split("/")[0]
+    name = room.get("name", room["path"].removeprefix("psp_model/").removeprefix("fmu_src/"))
+    size = f'x="{x + 3:.0f}" y="{top + 4}" width="{width - 6:.0f}" height="{_HEIGHT - 10}" rx="5"'
+    text = f'<text x="{x + width / 2:.0f}" y="{top + 26}" text-anchor="middle">{name}</text>'
+    tint = _painted(_TINTS.get(package, _TINTS["other packages"]))
+    return f"<g><title>{room['path']}: {room['line']}</title><rect {size} {tint}/>{text}</g>"
+
+
+def _painted(colour: str) -> str:
+    return f'fill="{colour}" fill-opacity="0.16" stroke="{colour}"'
 
 
 _RESULTS = ROOT / "benchmarks" / "results"

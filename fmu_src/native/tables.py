@@ -136,7 +136,7 @@ def _tables(name: str, network: NetworkFile) -> tuple[list[str], int, int]:
     try:
         return _checked_tables(name, network)
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
-        remedy = "export it with psp train, or build with --runtime python"
+        remedy = "export it with psp train, or build the Python FMU"
         raise BuildError(f"the network file {network.name} cannot go into C ({error})", remedy) from None
 
 

@@ -185,7 +185,7 @@ def _unpack(data: Any, capacity: int, described: Description) -> SampledPlatoon:
         T_max=bound(now["T_max"]),
         span=span,
         violations=count(now["violations"]),
-        cost=np.array(cost, dtype=float),
+        cost=(float(cost[0]), float(cost[1])),
     )
     shape = potential(packed["shape"], described.start.constants, described.old)
     loop = loop_of(shape, described.start.constants, described.weights, described.sampling)

@@ -50,7 +50,7 @@ def host_platform() -> str:
     """
     name = {"Linux": "linux64", "Windows": "win64", "Darwin": "darwin64"}.get(system())
     if name is None or (name != "darwin64" and machine() not in ("x86_64", "AMD64")):
-        raise BuildError(f"there is no native FMU for {system()} on {machine()}: build with --platforms all elsewhere")
+        raise BuildError(f"there is no native FMU for {system()} on {machine()}: build for all platforms elsewhere")
     return name
 
 

@@ -7,17 +7,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from psp_model.law.potential import PotentialParameters
-from psp_model.objective import HORIZON
-from psp_model.parameters import ObjectiveWeights
-from psp_model.run import Run
-from psp_model.sampling.policy import Sampling
-from psp_model.selection.network import ParameterNetwork
-from psp_model.selection.selectors import ParameterSource, Request, select_for
-from psp_model.simulate import simulate
-from psp_model.state import PlatoonState
-
 from ..figures import Figure
+from ..law.potential import PotentialParameters
+from ..objective import HORIZON
+from ..parameters import ObjectiveWeights
+from ..run import Run
+from ..sampling.policy import Sampling
+from ..selection.network import ParameterNetwork
+from ..selection.selectors import ParameterSource, Request, select_for
+from ..simulate import simulate
+from ..state import PlatoonState
 from .certificate import Certificate, certify
 
 

@@ -7,15 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from psp_model.errors import ModelError
-from psp_model.law.potential import PotentialParameters
-from psp_model.objective import HORIZON
-from psp_model.parameters import PlatoonParameters
-from psp_model.platoon import SampledPlatoon
-from psp_model.run import Run
-from psp_model.sampling.lemma1 import period_bounds
-from psp_model.sampling.policy import Lemma1Policy, Sampling
-from psp_model.state import PlatoonState
+from ..errors import ModelError
+from ..law.potential import PotentialParameters
+from ..objective import HORIZON
+from ..parameters import PlatoonParameters
+from ..platoon import SampledPlatoon
+from ..run import Run
+from ..sampling.lemma1 import period_bounds
+from ..sampling.policy import Lemma1Policy, Sampling
+from ..state import PlatoonState
 
 KINDS = ("gap to the vehicle ahead", "speed limit", "standstill")
 

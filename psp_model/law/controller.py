@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol, TypeVar
 
+from ..namespaces import Array
 from ..parameters import PlatoonParameters
 from .feedback import feedback
 from .potential import Potential
 
+Memory = TypeVar("Memory")
 
-class Controller(Protocol):
+
+class Controller(Protocol[Memory]):
     """What a loop asks for commands, once in every sampling period (ours).
 
     A frozen dataclass whose fields are, among others, `potential` and `constants`, so that another potential can take
@@ -27,7 +30,7 @@ class Controller(Protocol):
     def constants(self) -> PlatoonParameters:
         """The constants of the model."""
 
-    def decide(self, memory: Any, s: Any, v: Any) -> tuple[Any, Any]:
+    def decide(self, memory: Memory | None, s: Array, v: Array) -> tuple[Memory, Array]:
         """The commands for vehicles at these spacings and speeds.
 
         Parameters
@@ -53,10 +56,10 @@ class PaperLaw:
     potential: Potential
     constants: PlatoonParameters
 
-    def decide(self, memory: None, s: Any, v: Any) -> tuple[None, Any]:
+    def decide(self, memory: None, s: Array, v: Array) -> tuple[None, Array]:
         """See `Controller.decide`."""
         return None, feedback(s, v, self.potential, self.constants)
 
 
-MakeController = Callable[[Potential, PlatoonParameters], Controller]
+MakeController = Callable[[Potential, PlatoonParameters], Controller[Memory]]
 """Makes a controller from the potential and the constants, as `PaperLaw` does."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ..namespaces import array_namespace
+from ..namespaces import Array, Number, array_namespace
 from ..parameters import PlatoonParameters
 from .feedback import SPEED_MARGIN, command, command_towards, repulsion
 from .following import shares_along, speeds_followed
@@ -34,15 +34,15 @@ class Cooperation:
     length : (n, ...) lengths of the vehicles, a number for all, or None for L [m]
     """
 
-    kappa: Any = 0.0
-    kappa_reach: Any = 30.0
-    time_gap: Any = 0.0
-    feedforward: Any = 1.0
+    kappa: Number = 0.0
+    kappa_reach: Number = 30.0
+    time_gap: Number = 0.0
+    feedforward: Number = 1.0
     following: int = 1
-    closing_speed: Any = 0.0
-    closing_spacing: Any = 15.0
-    closing_reach: Any = 100.0
-    length: Any = None
+    closing_speed: Number = 0.0
+    closing_spacing: Number = 15.0
+    closing_reach: Number = 100.0
+    length: Number | None = None
 
 
 @dataclass(frozen=True)
@@ -58,17 +58,17 @@ class Traffic:
     closing : (n, ...) array, what closing up adds to the desired speeds now, from `closing_speeds` [m/s]; None for 0
     """
 
-    automated: Any = None
-    a: Any = None
-    v_desired: Any = None
-    a_desired: Any = 0.0
-    closing: Any = None
+    automated: Array | None = None
+    a: Array | None = None
+    v_desired: Number | None = None
+    a_desired: Number = 0.0
+    closing: Array | None = None
 
 
 ALL_AUTOMATED = Traffic()
 
 
-def smooth_step(x: Any) -> Any:
+def smooth_step(x: Array) -> Array:
     """x^2 (3 - 2x) between 0 and 1, 0 below, 1 above (ours).
 
     Parameters
@@ -84,7 +84,7 @@ def smooth_step(x: Any) -> Any:
     return x * x * (3.0 - 2.0 * x)
 
 
-def contact_spacing(s: Any, cooperation: Cooperation, constants: PlatoonParameters) -> Any:
+def contact_spacing(s: Array, cooperation: Cooperation, constants: PlatoonParameters) -> Array:
     """s_i - (length[i-1] - L): L where vehicle i touches the one ahead (ours).
 
     Parameters
@@ -98,11 +98,13 @@ def contact_spacing(s: Any, cooperation: Cooperation, constants: PlatoonParamete
     length = cooperation.length
     if length is None:
         return s
-    ahead = length[:-1] if getattr(length, "shape", ()) else length
+    ahead: Any = length
+    if getattr(length, "shape", ()):
+        ahead = ahead[:-1]
     return s - (ahead - constants.L)
 
 
-def clearances(s: Any, cooperation: Cooperation, constants: PlatoonParameters) -> Any:
+def clearances(s: Array, cooperation: Cooperation, constants: PlatoonParameters) -> Array:
     """c_i = s_i - length[i-1], bumper to bumper (ours).
 
     Parameters
@@ -116,7 +118,7 @@ def clearances(s: Any, cooperation: Cooperation, constants: PlatoonParameters) -
     return contact_spacing(s, cooperation, constants) - constants.L
 
 
-def model_spacing(s: Any, v: Any, cooperation: Cooperation, constants: PlatoonParameters) -> Any:
+def model_spacing(s: Array, v: Array, cooperation: Cooperation, constants: PlatoonParameters) -> Array:
     """s~_i = s_i - (length[i-1] - L) - time_gap v_i, what the potential is a function of (ours).
 
     The time gap takes at most 1 - KEPT_SHARE of the clearance, so that s~_i is above L exactly where nobody touches.
@@ -137,7 +139,7 @@ def model_spacing(s: Any, v: Any, cooperation: Cooperation, constants: PlatoonPa
     return xp.maximum(contact - cooperation.time_gap * v[1:], least)
 
 
-def viscosity(s: Any, v: Any, cooperation: Cooperation, constants: PlatoonParameters) -> Any:
+def viscosity(s: Array, v: Array, cooperation: Cooperation, constants: PlatoonParameters) -> Array:
     """kappa(s~_i) (v_{i-1} - v_i) + kappa(s~_{i+1}) (v_{i+1} - v_i), inwards at v_i = 0 and v_i = v_max (ours).
 
     kappa(s) falls smoothly from kappa at L to 0 at kappa_reach, as in the group's viscous controllers.
@@ -157,7 +159,7 @@ def viscosity(s: Any, v: Any, cooperation: Cooperation, constants: PlatoonParame
     return array_namespace(s).concat([-drag[:1], drag[:-1] - drag[1:], drag[-1:]])
 
 
-def closing_speeds(s: Any, cooperation: Cooperation, automated: Any = None) -> Any:
+def closing_speeds(s: Array, cooperation: Cooperation, automated: Array | None = None) -> Array:
     """What closing up adds to each desired speed: closing_speed sum w(s~_j) from the followed vehicle on (ours).
 
     w rises smoothly from 0 at closing_spacing to 1 at CLOSING_WIDTH more, and falls to 0 within CLOSING_WIDTH before
@@ -177,7 +179,7 @@ def closing_speeds(s: Any, cooperation: Cooperation, automated: Any = None) -> A
     return shares_along(cooperation.closing_speed * begins * ends, automated, cooperation.following)
 
 
-def desired(v: Any, traffic: Traffic, cooperation: Cooperation, constants: PlatoonParameters) -> tuple[Any, Any]:
+def desired(v: Array, traffic: Traffic, cooperation: Cooperation, constants: PlatoonParameters) -> tuple[Array, Array]:
     """v_d and a_d: the speed that each vehicle takes on, and its derivative as far as it is communicated (ours).
 
     Parameters
@@ -197,7 +199,7 @@ def desired(v: Any, traffic: Traffic, cooperation: Cooperation, constants: Plato
     return speed, rate
 
 
-def feed_forward(v: Any, a_desired: Any, share: Any, constants: PlatoonParameters) -> Any:
+def feed_forward(v: Array, a_desired: Number, share: Number, constants: PlatoonParameters) -> Array:
     """The part of a_d that is commanded, less and less of it within SPEED_MARGIN of a bound that it points to (ours).
 
     Without that Theorem 1's signs would not hold: at v = 0 a braking leader's acceleration points out of Omega.
@@ -219,8 +221,8 @@ def feed_forward(v: Any, a_desired: Any, share: Any, constants: PlatoonParameter
 
 
 def cooperative_command(
-    s: Any, v: Any, shape: Potential, constants: PlatoonParameters, cooperation: Cooperation, traffic: Traffic
-) -> Any:
+    s: Array, v: Array, shape: Potential, constants: PlatoonParameters, cooperation: Cooperation, traffic: Traffic
+) -> Array:
     """F_i = -(mu + g(u_i)) (v_i - v_d,i) + u_i + viscosity + feedforward a_d, in the form without cancellation (ours).
 
     Parameters
@@ -244,7 +246,7 @@ def cooperative_command(
     return F if is_off(cooperation.kappa) else F + viscosity(spacing, v, cooperation, constants)
 
 
-def is_off(parameter: Any) -> bool:
+def is_off(parameter: Number) -> bool:
     """Whether a parameter is the number 0, so that what it scales need not be computed (ours).
 
     Parameters

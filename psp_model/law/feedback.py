@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from ..namespaces import array_namespace
+from ..namespaces import Array, Number, array_namespace
 from ..parameters import PlatoonParameters
 from .potential import Potential
 
 SPEED_MARGIN = 0.5  # [m/s] a desired speed counts as this far from 0 and from v_max in g's denominators (ours)
 
 
-def f(x: Any, epsilon: Any) -> Any:
+def f(x: Number, epsilon: Number) -> Array:
     """The smoothed positive part (paper, eq. of f): 0 below -epsilon, x + epsilon/2 above 0, a parabola between.
 
     Parameters
@@ -27,13 +25,13 @@ def f(x: Any, epsilon: Any) -> Any:
     return xp.maximum(x, 0.0) + _excess(xp.minimum(x, 0.0), epsilon)
 
 
-def _excess(negative: Any, epsilon: Any) -> Any:
+def _excess(negative: Array, epsilon: Number) -> Array:
     """f(x) - max(x, 0), between 0 and epsilon/2 [m/s2], from the negative part min(x, 0)."""
     ramp = array_namespace(negative).maximum(negative + epsilon, 0.0)
     return ramp * ramp / (2.0 * epsilon)
 
 
-def g(x: Any, constants: PlatoonParameters) -> Any:
+def g(x: Number, constants: PlatoonParameters) -> Array:
     """g(x) = v_max f(x) / (v* (v_max - v*)) - x / v* (paper, eq. of g).
 
     Written as a sum of terms that are each >= 0, so that rounding cannot make a gain smaller than mu (ours):
@@ -55,7 +53,7 @@ def g(x: Any, constants: PlatoonParameters) -> Any:
     return smooth + xp.maximum(x, 0.0) / margin - negative / constants.v_star
 
 
-def repulsion(s: Any, shape: Potential, constants: PlatoonParameters) -> Any:
+def repulsion(s: Array, shape: Potential, constants: PlatoonParameters) -> Array:
     """u: the slopes of the potential that act on each vehicle (paper, eq. 2).
 
     u_1 = -V'(s_2), u_i = V'(s_i) - V'(s_{i+1}), u_n = V'(s_n)
@@ -75,7 +73,7 @@ def repulsion(s: Any, shape: Potential, constants: PlatoonParameters) -> Any:
     return xp.concat([-slope[:1], slope[:-1] - slope[1:], slope[-1:]])
 
 
-def gain(u: Any, constants: PlatoonParameters) -> Any:
+def gain(u: Array, constants: PlatoonParameters) -> Array:
     """k_i = mu + g(u_i) (paper, eq. 3).
 
     Parameters
@@ -89,7 +87,7 @@ def gain(u: Any, constants: PlatoonParameters) -> Any:
     return constants.mu + g(u, constants)
 
 
-def feedback(s: Any, v: Any, shape: Potential, constants: PlatoonParameters) -> Any:
+def feedback(s: Array, v: Array, shape: Potential, constants: PlatoonParameters) -> Array:
     """F_i = -k_i (v_i - v*) + u_i (paper, eq. 2).
 
     Computed in an equal form without cancellation (ours), from which Theorem 1's signs can be read off:
@@ -108,7 +106,7 @@ def feedback(s: Any, v: Any, shape: Potential, constants: PlatoonParameters) -> 
     return command(repulsion(s, shape, constants), v, constants)
 
 
-def feedback_towards(s: Any, v: Any, shape: Potential, constants: PlatoonParameters, v_desired: Any) -> Any:
+def feedback_towards(s: Array, v: Array, shape: Potential, constants: PlatoonParameters, v_desired: Number) -> Array:
     """F_i with another desired speed than v*, anywhere in [0, v_max] (ours).
 
     Parameters
@@ -124,7 +122,7 @@ def feedback_towards(s: Any, v: Any, shape: Potential, constants: PlatoonParamet
     return command_towards(repulsion(s, shape, constants), v, constants, v_desired)
 
 
-def command(u: Any, v: Any, constants: PlatoonParameters) -> Any:
+def command(u: Array, v: Array, constants: PlatoonParameters) -> Array:
     """F_i from the slopes u_i that act on a vehicle and its speed (paper, eq. 2, in the form that `feedback` gives).
 
     Parameters
@@ -139,7 +137,7 @@ def command(u: Any, v: Any, constants: PlatoonParameters) -> Any:
     return _command(u, v, constants, constants.v_star, constants.v_star, constants.v_max - constants.v_star)
 
 
-def command_towards(u: Any, v: Any, constants: PlatoonParameters, v_desired: Any) -> Any:
+def command_towards(u: Array, v: Array, constants: PlatoonParameters, v_desired: Number) -> Array:
     """F_i for a desired speed v_d in [0, v_max] in the place of v* (ours; proofs: docs/theory.md).
 
     g has v* and v_max - v* in its denominators.  Here v_d stays the speed that the vehicle tends to, and the
@@ -163,7 +161,9 @@ def command_towards(u: Any, v: Any, constants: PlatoonParameters, v_desired: Any
     return _command(u, v, constants, v_desired, divisor, margin)
 
 
-def _command(u: Any, v: Any, constants: PlatoonParameters, target: Any, divisor: Any, margin: Any) -> Any:
+def _command(
+    u: Array, v: Array, constants: PlatoonParameters, target: Number, divisor: Number, margin: Number
+) -> Array:
     """The law for a desired speed `target`, with what stands for v* and v_max - v* in g's denominators, all [m/s]."""
     xp = array_namespace(u)
     negative = xp.minimum(u, 0.0)

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from ..namespaces import array_namespace
+from ..namespaces import Array, Number, array_namespace
 
 NEAREST, PREDECESSOR = 1, 2
 """Values of `following`: the nearest vehicle ahead that is not automated, or the predecessor."""
 
 
-def followed_by(automated: Any, following: int = NEAREST) -> Any:
+def followed_by(automated: Array, following: int = NEAREST) -> Array:
     """The number of the vehicle whose speed each vehicle takes on, counted from 1; 0 for none (ours).
 
     Parameters
@@ -30,7 +28,9 @@ def followed_by(automated: Any, following: int = NEAREST) -> Any:
     return xp.where(automated < 0.5, 0.0, xp.concat(rows))
 
 
-def speeds_followed(v: Any, a: Any, automated: Any, following: int, free: tuple[Any, Any]) -> tuple[Any, Any]:
+def speeds_followed(
+    v: Array, a: Array, automated: Array | None, following: int, free: tuple[Number, Number]
+) -> tuple[Array, Array]:
     """The speed that each vehicle takes on, and its derivative (ours).
 
     Parameters
@@ -58,7 +58,7 @@ def speeds_followed(v: Any, a: Any, automated: Any, following: int, free: tuple[
     return xp.concat(speeds), xp.concat(rates)
 
 
-def shares_along(share: Any, automated: Any, following: int) -> Any:
+def shares_along(share: Array, automated: Array | None, following: int) -> Array:
     """The sum of the shares of all spacings between each vehicle and the one that it follows (ours).
 
     Parameters

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..namespaces import array_namespace
+from ..namespaces import Array, array_namespace
 from ..parameters import HILL_WIDTH, PlatoonParameters
 
 
+@runtime_checkable
 class Potential(Protocol):
     """What the law needs of a potential; `PotentialParameters` is the paper's family (ours).
 
@@ -19,7 +21,7 @@ class Potential(Protocol):
     broadcast with the spacings, so that one object stands for a whole batch of potentials in rollouts.
     """
 
-    def value(self, s: Any, constants: PlatoonParameters) -> Any:
+    def value(self, s: Array, constants: PlatoonParameters) -> Array:
         """V(s).
 
         Parameters
@@ -32,7 +34,7 @@ class Potential(Protocol):
         (n-1, ...) array [m2/s2]
         """
 
-    def slope(self, s: Any, constants: PlatoonParameters) -> Any:
+    def slope(self, s: Array, constants: PlatoonParameters) -> Array:
         """V'(s); below 0 it pushes the two vehicles apart.
 
         Parameters
@@ -66,11 +68,19 @@ class PotentialParameters:
     p: float
     hill: float = 1.0
 
-    def value(self, s: Any, constants: PlatoonParameters) -> Any:
+    def __str__(self) -> str:
+        numbers = self.alpha, self.r, self.p, self.hill
+        if not all(isinstance(one, int | float) for one in numbers):
+            return repr(self)
+        if self.hill == 0.0:
+            return "V_old" if self == V_OLD else f"alpha = {self.alpha:.4g}, no hill"
+        return f"V_new, alpha = {self.alpha:.4g}, r = {self.r:.4g} m, p = {self.p:.4g}"
+
+    def value(self, s: Array, constants: PlatoonParameters) -> Array:
         """V(s), see `potential`."""
         return potential(s, self, constants)
 
-    def slope(self, s: Any, constants: PlatoonParameters) -> Any:
+    def slope(self, s: Array, constants: PlatoonParameters) -> Array:
         """V'(s), see `potential_slope`."""
         return potential_slope(s, self, constants)
 
@@ -81,8 +91,10 @@ V_OLD = PotentialParameters(alpha=1.0, r=0.0, p=0.0, hill=0.0)
 BEST_FIXED = PotentialParameters(alpha=1e-3, r=11.0, p=5.5)
 """The fixed triple that serves 7 vehicles best on average (ours, measured); the fallback of the network."""
 
+Shape = TypeVar("Shape", bound=Potential)
 
-def stacked(potentials: Sequence[Potential]) -> Any:
+
+def stacked(potentials: Sequence[Shape]) -> Shape:
     """K potentials of one family as one whose parameters are (K,) arrays, for batches along the last axis (ours).
 
     Parameters
@@ -95,10 +107,11 @@ def stacked(potentials: Sequence[Potential]) -> Any:
     """
     family: Any = type(potentials[0])
     names = family._fields if hasattr(family, "_fields") else [field.name for field in fields(family)]
-    return family(**{name: np.array([getattr(one, name) for one in potentials]) for name in names})
+    found: Shape = family(**{name: np.array([getattr(one, name) for one in potentials]) for name in names})
+    return found
 
 
-def _hill_parts(s: Any, shape: PotentialParameters) -> tuple[Any, Any, Any, Any]:
+def _hill_parts(s: Array, shape: PotentialParameters) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
     """Depth t = s - r into the hill, q = (3 - t) t, q^(p-1), and whether s is on the hill.
 
     Off the hill the base of the power is replaced by 1, so that no library meets 0^x or a negative base, not even in
@@ -112,7 +125,7 @@ def _hill_parts(s: Any, shape: PotentialParameters) -> tuple[Any, Any, Any, Any]
     return t, q, q ** (shape.p - 1.0), on_hill
 
 
-def on_hill(s: Any, shape: PotentialParameters) -> Any:
+def on_hill(s: Array, shape: PotentialParameters) -> NDArray[np.bool_]:
     """Whether s lies on the hill, r < s < r + 3 m; off the hill the potential needs no power (ours).
 
     Parameters
@@ -126,7 +139,7 @@ def on_hill(s: Any, shape: PotentialParameters) -> Any:
     return _hill_parts(s, shape)[3]
 
 
-def potential(s: Any, shape: PotentialParameters, constants: PlatoonParameters) -> Any:
+def potential(s: Array, shape: PotentialParameters, constants: PlatoonParameters) -> Array:
     """V(s) = alpha (lambda - s)^3 / (s - L) + ((r + 3 - s)(s - r))^p / (s - L)^2.
 
     The first term holds for s < lambda, the second on the hill, r <= s < r + 3 (paper, eq. of V_new; its last case is
@@ -149,7 +162,7 @@ def potential(s: Any, shape: PotentialParameters, constants: PlatoonParameters) 
     return shape.alpha * e * e * e / d + xp.where(on_hill, shape.hill * power * q / (d * d), 0.0)
 
 
-def potential_slope(s: Any, shape: PotentialParameters, constants: PlatoonParameters) -> Any:
+def potential_slope(s: Array, shape: PotentialParameters, constants: PlatoonParameters) -> Array:
     """V'(s) (paper, used in eq. 2; written out in the theory page).
 
     base' = -alpha [3 (lambda - s)^2 / (s - L) + (lambda - s)^3 / (s - L)^2]

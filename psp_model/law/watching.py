@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from math import exp
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from ..namespaces import array_namespace
+from ..namespaces import Array, array_namespace
 
 ESTIMATE_TIME = 0.2  # [s] an estimated acceleration follows speed differences with this time constant (ours)
 CLOSING_TIME = 2.0  # [s] closing up sets in, and ends, with this time constant (ours)
@@ -21,12 +21,12 @@ class Watched(NamedTuple):
     closing : (n, ...) what closing up adds to the desired speeds [m/s]
     """
 
-    v: Any
-    a: Any
-    closing: Any
+    v: Array
+    a: Array
+    closing: Array
 
 
-def watch(before: Watched | None, v: Any, wanted: Any, T: float) -> Watched:
+def watch(before: Watched | None, v: Array, wanted: Array, T: float) -> Watched:
     """What is remembered after another sampling instant (ours).
 
     Parameters
@@ -42,7 +42,7 @@ def watch(before: Watched | None, v: Any, wanted: Any, T: float) -> Watched:
     return Watched(v, estimate, before.closing + (1.0 - exp(-T / CLOSING_TIME)) * (wanted - before.closing))
 
 
-def accelerations(watched: Watched, measured: Any, known: Any) -> Any:
+def accelerations(watched: Watched, measured: Array | None, known: Array | None) -> Array:
     """The acceleration of each vehicle that drives itself: communicated where known, else estimated (ours).
 
     Parameters

@@ -5,6 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+"""What the equations are annotated with: NumPy's arrays.  JAX arrays and CasADi symbols run through the same functions;
+the type checker knows nothing of them."""
+
+Number = float | NDArray[np.float64]
+"""A number, or an array that broadcasts with the vehicles."""
 
 
 def array_namespace(array: Any) -> Any:

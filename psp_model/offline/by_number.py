@@ -1,13 +1,10 @@
-"""Regret by number of vehicles: one evaluation for each, in one table and one picture."""
+"""Regret by number of vehicles: one evaluation for each, in one table."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
-from textwrap import fill
 from typing import Any
 
-from ..whole_file import whole_file
 from .evaluate import Evaluation, as_dict
 
 Scores = Mapping[int, Mapping[str, Mapping[str, Any]]]
@@ -43,7 +40,7 @@ def regret_markdown(content: Mapping[str, Any]) -> str:
     content : from `by_number_dict`
     """
     found = scores_by_number(content)
-    names = _names(found)
+    names = ways_to_choose(found)
     lines = ["| vehicles | starts | " + " | ".join(names) + " |", "|" + "---|" * (len(names) + 2)]
     for n, scores in sorted(found.items()):
         cells = [_cell(scores[name]) if name in scores else "" for name in names]
@@ -51,36 +48,15 @@ def regret_markdown(content: Mapping[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def _names(scores: Scores) -> list[str]:
-    """All ways to choose, in the order in which they first appear."""
+def ways_to_choose(scores: Scores) -> list[str]:
+    """All ways to choose, in the order in which they first appear.
+
+    Parameters
+    ----------
+    scores : from `scores_by_number`
+    """
     return list(dict.fromkeys(name for table in scores.values() for name in table))
 
 
 def _cell(score: Mapping[str, Any]) -> str:
     return f"{100 * score['mean']:.2f} % ({100 * score['p95']:.2f} %)"
-
-
-def regret_picture(content: Mapping[str, Any], path: Path, command: str) -> None:
-    """Mean regret over the number of vehicles, a line for each way, squares for those that serve a few numbers only.
-
-    Parameters
-    ----------
-    content : from `by_number_dict`
-    path : PNG file
-    command : that made it, for the caption
-    """
-    from matplotlib.figure import Figure
-
-    found = scores_by_number(content)
-    figure = Figure(figsize=(9, 4.2), layout="constrained")
-    axes = figure.subplots()
-    for name in _names(found):
-        points = [(n, 100 * scores[name]["mean"]) for n, scores in sorted(found.items()) if name in scores]
-        axes.semilogy(*zip(*points, strict=True), "o-" if len(points) == len(found) else "s", label=name)
-    axes.set(xlabel="vehicles", ylabel="mean regret J/J* - 1 [%]")
-    axes.set_title("Starts that no network was trained on")
-    axes.legend(fontsize="small", bbox_to_anchor=(1.01, 1.0), loc="upper left")
-    axes.grid(alpha=0.3, which="both")
-    figure.supxlabel(fill(command, 160), fontsize=6)
-    with whole_file(path) as partial:
-        figure.savefig(partial, dpi=110)

@@ -55,8 +55,8 @@ def make_dataset(
         write_dataset(plan, _assembled(parts, plan.chunks), path)
         shutil.rmtree(parts)
     except OSError as error:
-        remedy = "make room there and run the same command with --resume"
-        raise OfflineError(f"{path} could not be written ({error.strerror or error})", remedy) from None
+        problem = f"{path} could not be written ({error.strerror or error})"
+        raise OfflineError(problem, "make room there and make it again with resume=True", "no_room") from None
     finally:
         if parts.is_dir() and not _solved(parts):
             shutil.rmtree(parts, ignore_errors=True)
@@ -80,16 +80,18 @@ def parts_of(path: Path) -> Path:
 def _prepare(parts: Path, path: Path, plan: Plan, resume: bool) -> None:
     """Make the folder of the parts, or check that it belongs to this plan."""
     if path.exists() and not (parts.exists() if resume else _solved(parts)):
-        raise OfflineError(f"{path} exists already: remove it or give --output another name")
+        raise OfflineError(f"{path} exists already", "remove it or choose another path", "exists")
     note = parts / "plan.json"
     if parts.exists() and not parts.is_dir():
-        raise OfflineError(f"{parts} is no folder: remove it or give --output another name")
+        raise OfflineError(f"{parts} is no folder", "remove it or choose another path", "exists")
     if not _solved(parts):
         note.unlink(missing_ok=True)  # so that a run that solved nothing stands in nobody's way
     if note.exists() and not resume:
-        raise OfflineError(f"{parts} holds an unfinished run: go on with --resume, or remove that folder")
+        remedy = "go on with resume=True, or remove that folder"
+        raise OfflineError(f"{parts} holds an unfinished run", remedy, "unfinished")
     if note.exists() and note.read_bytes() != plan.as_json().encode():
-        raise OfflineError(f"{parts} was begun with other options than these: repeat those, or remove that folder")
+        remedy = "go on with that plan, or remove that folder"
+        raise OfflineError(f"{parts} was begun with another plan", remedy, "another_plan")
     parts.mkdir(parents=True, exist_ok=True)
     write_whole(note, plan.as_json().encode())
 
@@ -108,7 +110,7 @@ def _read_part(path: Path) -> dict[str, Any]:
     try:
         return read_arrays(path)
     except ValueError:
-        raise OfflineError(f"{path} is damaged: remove it and run the same command with --resume") from None
+        raise OfflineError(f"{path} is damaged", "remove it and go on with resume=True", "part_damaged") from None
 
 
 def _here(plan: Plan, missing: list[int], threads: int | None) -> Iterator[tuple[int, bytes]]:
@@ -130,9 +132,8 @@ def _on_cluster(plan: Plan, missing: list[int], scheduler: str) -> Iterator[tupl
     try:
         client = Client(scheduler, timeout="10s")  # type: ignore[no-untyped-call]
     except (OSError, ValueError, TimeoutError):
-        raise OfflineError(
-            f"no Dask scheduler answers at {scheduler!r}: start one, or leave --scheduler out to use this machine"
-        ) from None
+        problem = f"no Dask scheduler answers at {scheduler!r}"
+        raise OfflineError(problem, "start one, or name none to use this machine", "no_scheduler") from None
     with client:
         numbers = {client.submit(solve_chunk, plan, number, 1, pure=False, retries=10): number for number in missing}
         for future in cluster_completed(list(numbers)):  # type: ignore[no-untyped-call]

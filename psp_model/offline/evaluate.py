@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
-from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -15,9 +13,8 @@ from ..law.potential import PotentialParameters
 from ..parameters import PlatoonParameters
 from ..selection.feasible import project
 from ..selection.network import ParameterNetwork
-from ..selection.rollout import CROSS, STEP_P, STEP_R, share_rollouts
+from ..selection.rollout import as_rows, refined, share_rollouts
 from ..selection.search.engine import Engine
-from ..whole_file import whole_file
 from .errors import OfflineError
 from .parquet import Dataset
 from .ranking import choose_dictionary, dictionary_triples
@@ -138,8 +135,7 @@ def projected(raw: Array, constants: PlatoonParameters) -> Array:
     -------
     (N, 3) array
     """
-    shapes = [project(PotentialParameters(*map(float, row)), constants) for row in raw]
-    return np.array([_row(shape) for shape in shapes]).reshape(-1, 3)
+    return as_rows([project(PotentialParameters(*map(float, row)), constants) for row in raw])
 
 
 class Judge:
@@ -186,7 +182,7 @@ class Judge:
         network : that answers
         """
         self._note_domain(name, network)
-        self.add(name, np.array([_row(network.evaluate(s, v)) for s, v in self._split()]))
+        self.add(name, as_rows([network.evaluate(s, v) for s, v in self._split()]))
 
     def rollout(self, name: str, network: ParameterNetwork, rollouts: int) -> None:
         """Judge the best of a network's candidates with refinement, as `parameter_source` 3 takes it.
@@ -199,32 +195,22 @@ class Judge:
         """
         self._note_domain(name, network)
         count, rounds = share_rollouts(rollouts)
-        raw = np.array([[_row(shape) for shape in network.candidates(s, v, count)] for s, v in self._split()])
-        triples, J, T_max = self._rolled_out(raw)
-        best = _first_least(J)
-        for number in range(rounds):
-            centre = np.take_along_axis(triples, best[:, None, None], axis=1)
-            steps = np.array([[0.0, STEP_R * r, STEP_P * p] for r, p in CROSS]) * 0.5**number
-            around = self._rolled_out(centre + steps)
-            triples, J, T_max = (
-                np.concatenate([np.take_along_axis(old, best.reshape(-1, *[1] * (old.ndim - 1)), axis=1), new], axis=1)
-                for old, new in zip((triples, J, T_max), around, strict=True)
-            )
-            best = _first_least(J)
-        rows = np.arange(len(raw))
-        chosen = triples[rows, best]
-        answers = Answers(name, chosen, chosen, J[rows, best], T_max[rows, best], rows)
-        self.evaluation.answers.append(answers)
+        candidates = np.array([as_rows(network.candidates(s, v, count)) for s, v in self._split()])
+        chosen, rows = refined(self._tried, candidates, rounds), np.arange(len(candidates))
+        J, T_max = self._certified(rows, chosen)
+        self.evaluation.answers.append(Answers(name, chosen, chosen, J, T_max, rows))
 
-    def _rolled_out(self, raw: Array) -> tuple[Array, Array, Array]:
-        """Projected triples (B, K, 3) with their J, infinite where not certified, and smallest T_max (B, K)."""
+    def _tried(self, raw: Array) -> tuple[Array, Array]:
+        """Projected triples (B, K, 3), K for each start, with their (B, K) J, infinite where not certified."""
         distinct, inverse = np.unique(raw.reshape(-1, 3), axis=0, return_inverse=True)
         triples = projected(distinct, self.data.problem.constants)[inverse.ravel()]
-        which = np.repeat(np.arange(len(raw)), raw.shape[1])
+        J, _ = self._certified(np.repeat(np.arange(len(raw)), raw.shape[1]), triples)
+        return triples.reshape(raw.shape), J.reshape(raw.shape[:2])
+
+    def _certified(self, which: Array, triples: Array) -> tuple[Array, Array]:
+        """J of rollouts, infinite where T is not certified throughout, and their smallest T_max."""
         J, T_max = self.engine.costs(self.data.starts, which, triples)
-        certified = np.where(T_max > self.data.problem.T, J, np.inf)
-        shape = raw.shape[:2]
-        return triples.reshape(raw.shape), certified.reshape(shape), T_max.reshape(shape)
+        return np.where(T_max > self.data.problem.T, J, np.inf), T_max
 
     def _split(self) -> list[tuple[Array, Array]]:
         gaps = self.data.problem.vehicles - 1
@@ -235,15 +221,6 @@ class Judge:
         gaps = self.data.problem.vehicles - 1
         inside = network.domain.contains(self.data.starts.T[:gaps], self.data.starts.T[gaps:])
         self.evaluation.out_of_domain[name] = float(1.0 - inside.mean())
-
-
-def _first_least(J: Array) -> Array:
-    """(B,) column of the least of each row, the first of equals."""
-    return np.asarray(J.argmin(axis=1))
-
-
-def _row(shape: PotentialParameters) -> tuple[float, float, float]:
-    return shape.alpha, shape.r, shape.p
 
 
 def as_markdown(scores: Sequence[Score]) -> str:
@@ -261,30 +238,3 @@ def as_markdown(scores: Sequence[Score]) -> str:
 def as_dict(evaluation: Evaluation) -> dict[str, Any]:
     """The table as data, for JSON."""
     return {"data_sha256": evaluation.data.sha256, "scores": [asdict(score) for score in evaluation.scores]}
-
-
-def picture(evaluation: Evaluation, path: Path, command: str) -> None:
-    """Regret curves: which share of the starts stays below which regret.
-
-    Parameters
-    ----------
-    evaluation : the answers
-    path : PNG file
-    command : that made it, for the caption
-    """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7, 4.2), layout="constrained")
-    axes = figure.subplots()
-    for answers in evaluation.answers:
-        regret = np.sort(evaluation.regret(answers))
-        share = (np.arange(regret.size) + 0.5) / regret.size
-        axes.plot(100 * np.maximum(regret, 1e-6), 100 * share, label=f"{answers.name} ({100 * regret.mean():.2f} %)")
-    axes.set(xscale="log", xlim=(0.005, 20), xlabel="regret J/J* - 1 [%]", ylabel="share of starts below [%]")
-    vehicles, starts = evaluation.data.problem.vehicles, len(evaluation.data.J)
-    axes.set_title(f"{vehicles} vehicles, {starts} held-out starts (mean regret)")
-    axes.legend(fontsize="small")
-    axes.grid(alpha=0.3)
-    figure.supxlabel(fill(command, 130), fontsize=6)
-    with whole_file(path) as partial:
-        figure.savefig(partial, dpi=110)

@@ -219,4 +219,4 @@ def _resumed(path: Path | None, key: str, fresh: Fit) -> Fit | None:
         now, optimiser, best = jax.tree.unflatten(structure, leaves)
         return Fit(now, optimiser, best, float(loss), int(epoch), history)
     except (KeyError, TypeError, ValueError):
-        raise OfflineError(f"{path} is not a checkpoint of this training: remove it, or leave --resume out") from None
+        raise OfflineError(f"{path} is not a checkpoint of this training", "remove it", "no_checkpoint") from None

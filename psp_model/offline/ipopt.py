@@ -40,15 +40,16 @@ class LocalSolver:
         n, T, constants = self.problem.vehicles, self.problem.T, self.problem.constants
         state, triple = casadi.SX.sym("state", 2 * n - 1), casadi.SX.sym("triple", 3)
         shape = generic(PotentialParameters, alpha=triple[0], r=triple[1], p=triple[2])
-        vehicles = IDEAL.begin(casadi.SX(0.0), state[: n - 1], state[n - 1 :])
+        begin: tuple[Any, Any, Any] = casadi.SX(0.0), state[: n - 1], state[n - 1 :]
+        vehicles = IDEAL.begin(*begin)
         _, a, _ = decide(PaperLaw(shape, constants), None, vehicles)
         after, added = hold(IDEAL, vehicles, a, T, self.problem.weights)
         step = casadi.Function("step", [state, triple], [casadi.vertcat(after.s, after.v), sum(added)])
         x, start = casadi.MX.sym("x", 3), casadi.MX.sym("start", 2 * n - 1)
         periods = round(self.problem.horizon / T)
         _, costs = step.mapaccum("run", periods)(start, casadi.repmat(x, 1, periods))
-        places = triple[1] + np.linspace(0.0, HILL_WIDTH, _POINTS)
-        slopes = casadi.Function("slopes", [triple], [potential_slope(casadi.SX(places), shape, constants)])
+        places: Any = casadi.SX(triple[1] + np.linspace(0.0, HILL_WIDTH, _POINTS))
+        slopes = casadi.Function("slopes", [triple], [potential_slope(places, shape, constants)])
         nlp: dict[str, Any] = {"x": x, "p": start, "f": casadi.sum2(costs), "g": slopes(x)}
         options: dict[str, Any] = {"ipopt.hessian_approximation": "limited-memory", "ipopt.max_iter": 60}
         options["ipopt.print_level"] = 0

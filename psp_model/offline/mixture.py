@@ -41,7 +41,7 @@ class Mixture:
         if any(kind(data) != kind(self.sets[0]) for data in self.sets):
             raise OfflineError(
                 "these data sets differ in constants, objective, domain, effort or tables: give data sets that were "
-                "made with the same options but for --vehicles, --starts and --seed"
+                "made alike but for the number of vehicles, the starts and their seed"
             )
 
     @property
@@ -85,11 +85,6 @@ class Mixture:
     def sha256(self) -> str:
         """Hashes of the data sets' content, with blanks between them."""
         return " ".join(data.sha256 for data in self.sets)
-
-    @property
-    def command(self) -> str:
-        """The commands that make the data sets, with semicolons between them."""
-        return "; ".join(data.command for data in self.sets)
 
     def rows(self, structure: Structure) -> Array:
         """What a network of this structure sees of all starts."""

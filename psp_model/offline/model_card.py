@@ -38,7 +38,7 @@ _EXACT = "`initial_condition` float32 [batch, {columns}]: s_2..s_n [m], v_1..v_n
 _ANY = "`gaps` float32 [batch, n-1]: s_2..s_n [m], `speeds` float32 [batch, n]: v_1..v_n [m/s], n = {vehicles}"
 
 
-def write_card(path: Path, judged: Sequence[Evaluation], command: str) -> Path:
+def write_card(path: Path, judged: Sequence[Evaluation], command: str, data_commands: Sequence[str]) -> Path:
     """Write the card of a network next to its file.
 
     Parameters
@@ -46,6 +46,7 @@ def write_card(path: Path, judged: Sequence[Evaluation], command: str) -> Path:
     path : the ONNX file
     judged : evaluations with this network among their answers, one for each number of vehicles
     command : that evaluated it
+    data_commands : that made the data of each evaluation
 
     Returns
     -------
@@ -66,7 +67,7 @@ def write_card(path: Path, judged: Sequence[Evaluation], command: str) -> Path:
         data="\n".join(_DATA.format(command=name, sha256=digest) for name, digest in sets),
         domain=about["psp_domain"],
         objective=about["psp_objective"],
-        judged="\n".join(_judged(each) for each in judged),
+        judged="\n".join(map(_judged, judged, data_commands)),
         outside=max(shares),
         table="\n\n".join(tables),
         command=command,
@@ -83,9 +84,9 @@ def _by_number(judged: Sequence[Evaluation]) -> str:
     return "\n\n".join([head, regret_markdown(by_number_dict(judged)), *parts])
 
 
-def _judged(evaluation: Evaluation) -> str:
+def _judged(evaluation: Evaluation, command: str) -> str:
     data = evaluation.data
-    return _JUDGED.format(starts=len(data.J), command=data.command, sha256=data.sha256)
+    return _JUDGED.format(starts=len(data.J), command=command, sha256=data.sha256)
 
 
 def _shape(model: Any, about: Mapping[str, str]) -> dict[str, str]:

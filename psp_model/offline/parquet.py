@@ -40,7 +40,7 @@ class Dataset:
     problem, domain, effort : what was solved, from where, how
     sha256 : hash of the whole content
     failures : how many starts of the file could not be solved
-    command : that makes it
+    drawn, seed : how many starts were drawn, and their seed
     """
 
     starts: Array
@@ -52,7 +52,8 @@ class Dataset:
     effort: str
     sha256: str
     failures: int
-    command: str
+    drawn: int
+    seed: int
 
     def first(self, count: int | None) -> Dataset:
         """The first `count` starts, all where it is None; the hash stays that of the whole."""
@@ -145,13 +146,15 @@ def read_dataset(path: Path) -> Dataset:
     try:
         table = pq.read_table(path)
     except FileNotFoundError:
-        raise OfflineError(f"there is no data set {path}: make one with psp dataset") from None
+        raise OfflineError(f"there is no data set {path}", "make one with make_dataset", "no_dataset") from None
     except (OSError, pa.ArrowException):
-        raise OfflineError(f"{path} is not a Parquet file that can be read: make it again with psp dataset") from None
+        problem = f"{path} is not a Parquet file that can be read"
+        raise OfflineError(problem, "make it again with make_dataset", "unreadable_dataset") from None
     about = {key.decode(errors="replace"): value for key, value in (table.schema.metadata or {}).items()}
     about = {key: value.decode(errors="replace") for key, value in about.items()}
     if about.get("format") != FORMAT:
-        raise OfflineError(f"{path} has not the schema {FORMAT!r}: give a file made by psp dataset")
+        remedy = "give a file made by make_dataset"
+        raise OfflineError(f"{path} has not the schema {FORMAT!r}", remedy, "foreign_dataset")
     names = [name for name in table.column_names if name != "error"]
     expected = _expected_columns(about.get("plan", ""), len(names))
     if names not in (expected, [*expected, "table"]) or "error" not in table.column_names:
@@ -198,6 +201,5 @@ def _dataset(plan: dict[str, Any], columns: dict[str, Array], errors: list[str],
         grid = Search(problem, EFFORTS[plan["effort"]]).grid
         tables = rows["table"].reshape(-1, grid.r.size, grid.level.size)
     failures = int((~solved).sum())
-    command = " ".join(f"--{name} {plan[name]}" for name in ("starts", "seed", "effort"))
-    command = f"psp dataset --vehicles {problem.vehicles} {command}"
-    return Dataset(starts, triples, rows["J"], tables, problem, domain, plan["effort"], sha256, failures, command)
+    made = plan["effort"], sha256, failures, plan["starts"], plan["seed"]
+    return Dataset(starts, triples, rows["J"], tables, problem, domain, *made)

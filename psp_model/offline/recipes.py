@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from ..parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN
 from ..selection.search.engine import Problem
 from ..selection.search.slope_limit import SlopeLimit
-from ..whole_file import whole_file
 from .cost_table import TableCost, blurred, regret_tables
 from .errors import OfflineError
 from .fit import Fit, Layers, Schedule, fit
@@ -218,28 +217,6 @@ def regrets(data: Dataset | Mixture, cap: float) -> Array:
     OfflineError : where the data set has none
     """
     if data.tables is None:
-        raise OfflineError("this data set has no tables of J, which every recipe but mse needs: make it with --tables")
+        problem = "this data set has no tables of J, which every recipe but mse needs"
+        raise OfflineError(problem, "make it with tables", "no_tables")
     return regret_tables(data.tables, data.J, cap)
-
-
-def curves(found: Sequence[tuple[float, float]], best: int, path: Path, title: str, label: str) -> None:
-    """Picture of the losses over the epochs.
-
-    Parameters
-    ----------
-    found : (training, validation) loss of each epoch
-    best : the epoch that was kept
-    path : PNG file
-    title, label : of the picture and of the losses' axis
-    """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(6, 3.5), layout="constrained")
-    axes = figure.subplots()
-    for name, values in zip(("training", "validation"), zip(*found, strict=True), strict=True):
-        axes.semilogy(range(1, len(found) + 1), values, label=name)
-    axes.axvline(best + 1, color="grey", linewidth=0.8, label="kept")
-    axes.set(xlabel="epoch", ylabel=label, title=title)
-    axes.legend()
-    with whole_file(path) as partial:
-        figure.savefig(partial, dpi=100)

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from ..namespaces import array_namespace, smallest
+from ..namespaces import Array, array_namespace, smallest
 from ..parameters import PlatoonParameters
 from .hold import relative
 from .lemma1 import period_bounds
 
 
-def first_contact(c: Any, b: Any, a: Any) -> Any:
+def first_contact(c: Array, b: Array, a: Array) -> Array:
     """The first time at which c + b t + a t^2 / 2 falls to 0 (ours).
 
-    Written so that no difference of nearly equal numbers is taken: for b < 0 the smaller root is 2c / (sqrt(D) - b), and
-    for b >= 0, a < 0 the only positive one is (b + sqrt(D)) / -a, with D = b^2 - 2 a c.
+    Written so that no nearly equal numbers are subtracted: for b < 0 the smaller root is 2c / (sqrt(D) - b), and for
+    b >= 0, a < 0 the only positive one is (b + sqrt(D)) / -a, with D = b^2 - 2 a c.
 
     Parameters
     ----------
@@ -39,8 +37,8 @@ def first_contact(c: Any, b: Any, a: Any) -> Any:
     return xp.where(D < 0.0, np.inf, found)
 
 
-def exact_period(s: Any, v: Any, a: Any, constants: PlatoonParameters) -> Any:
-    """T_exact: the first time at which, under the accelerations held, a spacing falls to L or a speed leaves its bounds.
+def exact_period(s: Array, v: Array, a: Array, constants: PlatoonParameters) -> Array:
+    """T_exact: when, under the accelerations held, a spacing first falls to L or a speed leaves its bounds.
 
     Who knows all commands can compute it; Lemma 1 asks each vehicle to be safe whatever its neighbours do (ours).  The
     bounds of the speeds are Lemma 1's own.

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from ..errors import ModelError
-from ..namespaces import array_namespace, smallest
+from ..namespaces import Array, array_namespace, smallest
 from ..parameters import PlatoonParameters
 
 
-def period_bounds(s: Any, v: Any, a: Any, constants: PlatoonParameters) -> tuple[Any, Any]:
+def period_bounds(s: Array, v: Array, a: Array, constants: PlatoonParameters) -> tuple[Array, Array]:
     """The bounds on the sampling period that each gap and each speed sets at a sampling instant (paper, Lemma 1).
 
     Parameters
@@ -33,7 +31,7 @@ def period_bounds(s: Any, v: Any, a: Any, constants: PlatoonParameters) -> tuple
     return (s - constants.L) / constants.v_max, of_speeds
 
 
-def largest_period(s: Any, v: Any, a: Any, constants: PlatoonParameters) -> Any:
+def largest_period(s: Array, v: Array, a: Array, constants: PlatoonParameters) -> Array:
     """T_max: a sampling period T is certified at this instant iff T < T_max (paper, Lemma 1, over all vehicles).
 
     Parameters
@@ -48,7 +46,7 @@ def largest_period(s: Any, v: Any, a: Any, constants: PlatoonParameters) -> Any:
     return smallest(array_namespace(of_speeds).concat([of_gaps, of_speeds]))
 
 
-def violation(t: float, T: float, s: Any, v: Any, a: Any, constants: PlatoonParameters) -> ModelError:
+def violation(t: float, T: float, s: Array, v: Array, a: Array, constants: PlatoonParameters) -> ModelError:
     """The error that says which vehicle keeps T from being certified, with its values, bound and remedy (ours).
 
     Parameters

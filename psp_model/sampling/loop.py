@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +17,13 @@ from ..errors import ModelError
 from ..law.controller import Controller
 from ..law.potential import Potential
 from ..parameters import ObjectiveWeights
-from .hold import IDEAL, Plant
+from ..state import read_only, seal
+from .hold import DoubleIntegrators, Moving, Plant
 from .lemma1 import violation
 from .period import decide, hold
 
 Vector = NDArray[np.float64]
+Cost = tuple[float, float]
 
 SHORTEST = 2.0**-60  # [sampling periods] no period is cut further than this
 
@@ -43,19 +45,18 @@ class Loop:
     controller : who decides, with potential and constants
     weights : of the objective
     T : sampling period [s]
-    shorten : whether a period that is not certified is cut in halves until it is
     plant : what is driven
+    shorten : whether a period that is not certified is cut in halves until it is
     """
 
-    controller: Controller
+    controller: Controller[object]
     weights: ObjectiveWeights
     T: float
+    plant: Plant[Moving]
     shorten: bool = False
-    plant: Plant[Any] = IDEAL
 
 
-@dataclass(frozen=True, eq=False)
-class Instant:
+class Instant(NamedTuple):
     """Everything the loop knows at a sampling instant, just after sampling; the whole state of a run.
 
     Attributes
@@ -66,19 +67,19 @@ class Instant:
     T_max : Lemma 1's bound [s]
     span : how long a is held [sampling periods]
     violations : sampling instants so far at which T >= T_max
-    cost : (2,) the two terms of J so far, of acceleration and of spacings
+    cost : the two terms of J so far, of acceleration and of spacings
     memory : what the controller remembers
     """
 
     period: int
     fraction: float
-    vehicles: Any
+    vehicles: Moving
     a: Vector
     T_max: float
     span: float
     violations: int
-    cost: Vector
-    memory: Any = None
+    cost: Cost
+    memory: object = None
 
     @property
     def x(self) -> float:
@@ -88,14 +89,12 @@ class Instant:
     @property
     def s(self) -> Vector:
         """Spacings, (n-1,) [m]."""
-        found: Vector = self.vehicles.s
-        return found
+        return self.vehicles.s
 
     @property
     def v(self) -> Vector:
         """Speeds, (n,) [m/s]."""
-        found: Vector = self.vehicles.v
-        return found
+        return self.vehicles.v
 
     @property
     def ends(self) -> tuple[int, float]:
@@ -112,7 +111,7 @@ def begin(loop: Loop, x: float, s: Vector, v: Vector) -> tuple[Instant, Verdict]
     loop : what it is made of
     x, s, v : position of the leader [m], (n-1,) spacings [m], all above L, and (n,) speeds [m/s]
     """
-    return _sampled(loop, (0, 0.0), loop.plant.begin(x, s, v), None, 0, np.zeros(2))
+    return _sampled(loop, (0, 0.0), loop.plant.begin(x, read_only(s), read_only(v)), None, 0, (0.0, 0.0))
 
 
 def step(loop: Loop, now: Instant) -> tuple[Instant, Verdict]:
@@ -128,8 +127,7 @@ def step(loop: Loop, now: Instant) -> tuple[Instant, Verdict]:
     the instant and what Lemma 1 says of it; with OUTSIDE its accelerations and T_max are still those of `now`
     """
     vehicles, cost = after(loop, now, now.span * loop.T)
-    may_leave = now.violations > 0 or loop.plant is not IDEAL  # else Lemma 1 has kept everything inside
-    if may_leave and _is_outside(loop, vehicles):
+    if (now.violations > 0 or not _is_ideal(loop)) and _is_outside(loop, vehicles):  # else Lemma 1 keeps all inside
         return _outside(now, now.ends, vehicles, cost)
     return _sampled(loop, now.ends, vehicles, now.memory, now.violations, cost)
 
@@ -154,13 +152,14 @@ def resample(
     tau = (at[0] - now.period + (at[1] - now.fraction)) * loop.T
     cost = now.cost if tau == 0.0 else after(loop, now, tau)[1]
     again = at == (now.period, now.fraction)
-    violations, vehicles = now.violations - (again and now.T_max <= loop.T), loop.plant.begin(*motion)
+    violations, (x, s, v) = now.violations - (again and now.T_max <= loop.T), motion
+    vehicles = loop.plant.begin(x, read_only(s), read_only(v))
     if _is_outside(loop, vehicles):
         return _outside(now, at, vehicles, cost)
     return _sampled(loop, at, vehicles, None, violations, cost)
 
 
-def after(loop: Loop, now: Instant, tau: float) -> tuple[Any, Vector]:
+def after(loop: Loop, now: Instant, tau: float) -> tuple[Moving, Cost]:
     """State of the plant and terms of J a time tau after a sampling instant (ours).
 
     Parameters
@@ -169,7 +168,8 @@ def after(loop: Loop, now: Instant, tau: float) -> tuple[Any, Vector]:
     tau : time [s]
     """
     vehicles, added = hold(loop.plant, now.vehicles, now.a, tau, loop.weights)
-    return vehicles, now.cost + np.array(added)
+    seal(vehicles.s, vehicles.v)
+    return vehicles, (now.cost[0] + float(added[0]), now.cost[1] + float(added[1]))
 
 
 def refusal(loop: Loop, now: Instant, verdict: Verdict) -> ModelError:
@@ -198,27 +198,34 @@ def with_potential(loop: Loop, potential: Potential) -> Loop:
     return replace(loop, controller=replace(loop.controller, potential=potential))  # type: ignore[type-var]
 
 
-def _is_outside(loop: Loop, vehicles: Any) -> bool:
-    """Whether a spacing has fallen to L, which it cannot where periods are cut until they are certified."""
-    return not loop.shorten and not (vehicles.s > loop.controller.constants.L).all()
+def _is_ideal(loop: Loop) -> bool:
+    """Whether the vehicles are those that Lemma 1 speaks of."""
+    plant: object = loop.plant
+    return type(plant) is DoubleIntegrators
 
 
-def _outside(now: Instant, at: tuple[int, float], vehicles: Any, cost: Vector) -> tuple[Instant, Verdict]:
+def _is_outside(loop: Loop, vehicles: Moving) -> bool:
+    """Whether a spacing has fallen to L; ideal vehicles cannot where periods are cut until they are certified."""
+    return not (loop.shorten and _is_ideal(loop)) and not (vehicles.s > loop.controller.constants.L).all()
+
+
+def _outside(now: Instant, at: tuple[int, float], vehicles: Moving, cost: Cost) -> tuple[Instant, Verdict]:
     """The instant at which the law is not defined: nothing is decided anew."""
-    return replace(now, period=at[0], fraction=at[1], vehicles=vehicles, cost=cost), Verdict.OUTSIDE
+    return now._replace(period=at[0], fraction=at[1], vehicles=vehicles, cost=cost), Verdict.OUTSIDE
 
 
 def _sampled(
-    loop: Loop, at: tuple[int, float], vehicles: Any, memory: Any, violations: int, cost: Vector
+    loop: Loop, at: tuple[int, float], vehicles: Moving, memory: object, violations: int, cost: Cost
 ) -> tuple[Instant, Verdict]:
     """The sampling instant at a time: commands, T_max, and how long the commands are held."""
-    decided = decide(loop.controller, memory, vehicles)
-    T_max = float(decided.T_max)
+    memory, a, bound = decide(loop.controller, memory, vehicles)
+    T_max = float(bound)
     certified, span = T_max > loop.T, 1.0
     if loop.shorten:
         while not span * loop.T < T_max and span > SHORTEST:
             span *= 0.5
     span = min(span, 1.0 - at[1])  # the next nominal instant is one in any case
     count = violations + (not certified)
-    now = Instant(*at, vehicles, decided.a, T_max, span, count, cost, decided.memory)
+    seal(a)
+    now = Instant(*at, vehicles, a, T_max, span, count, cost, memory)
     return now, Verdict.CERTIFIED if certified else Verdict.NOT_CERTIFIED

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Generic, NamedTuple
 
-from ..law.controller import Controller
+from ..law.controller import Controller, Memory
+from ..namespaces import Array, Number
 from ..objective import running_cost
 from ..parameters import ObjectiveWeights
-from .hold import Plant
+from .hold import Moving, Plant, Vehicles
 from .lemma1 import largest_period
 
 
-class Decided(NamedTuple):
+class Decided(NamedTuple, Generic[Memory]):
     """What was decided at a sampling instant.
 
     Attributes
@@ -21,12 +22,12 @@ class Decided(NamedTuple):
     T_max : (...) Lemma 1's bound [s]
     """
 
-    memory: Any
-    a: Any
-    T_max: Any
+    memory: Memory
+    a: Array
+    T_max: Array
 
 
-def decide(controller: Controller, memory: Any, vehicles: Any) -> Decided:
+def decide(controller: Controller[Memory], memory: Memory | None, vehicles: Moving) -> Decided[Memory]:
     """The commands at a sampling instant, and the period that Lemma 1 certifies for them (ours).
 
     Parameters
@@ -39,11 +40,13 @@ def decide(controller: Controller, memory: Any, vehicles: Any) -> Decided:
     -------
     Decided
     """
-    memory, a = controller.decide(memory, vehicles.s, vehicles.v)
-    return Decided(memory, a, largest_period(vehicles.s, vehicles.v, a, controller.constants))
+    remembered, a = controller.decide(memory, vehicles.s, vehicles.v)
+    return Decided(remembered, a, largest_period(vehicles.s, vehicles.v, a, controller.constants))
 
 
-def hold(plant: Plant[Any], vehicles: Any, a: Any, tau: Any, weights: ObjectiveWeights) -> tuple[Any, tuple[Any, Any]]:
+def hold(
+    plant: Plant[Vehicles], vehicles: Vehicles, a: Array, tau: Number, weights: ObjectiveWeights
+) -> tuple[Vehicles, tuple[Array, Array]]:
     """The plant a time tau after a sampling instant, and what that adds to the two terms of J (ours).
 
     Parameters

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from ..namespaces import array_namespace, smallest
+from ..namespaces import Array, Number, array_namespace, smallest
 from ..parameters import PlatoonParameters
 
 
@@ -18,10 +18,10 @@ class Errors(NamedTuple):
     error_s, error_v : of spacings [m] and of speeds [m/s], numbers or arrays that broadcast with them
     """
 
-    error_s: Any = 0.0
-    error_v: Any = 0.0
+    error_s: Number = 0.0
+    error_v: Number = 0.0
 
-    def carried(self, horizon: Any) -> Errors:
+    def carried(self, horizon: Number) -> Errors:
         """The bounds a time later, where all accelerations are known: spacings also drift with the speeds' errors.
 
         Parameters
@@ -31,7 +31,9 @@ class Errors(NamedTuple):
         return Errors(self.error_s + 2.0 * horizon * self.error_v, self.error_v)
 
 
-def uncertain_period(s: Any, v: Any, a: Any, errors: Errors, constants: PlatoonParameters, a_before: Any = None) -> Any:
+def uncertain_period(
+    s: Array, v: Array, a: Array, errors: Errors, constants: PlatoonParameters, a_before: Array | None = None
+) -> Array:
     """T_max for spacings and speeds that are known within bounds (ours: Lemma 1 with the worst case inside them).
 
     Parameters

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import inf, nextafter
-from typing import Any
 
 import numpy as np
 
 from ..errors import ModelError
 from ..law.potential import PotentialParameters, potential_slope
-from ..namespaces import array_namespace
+from ..namespaces import Array, array_namespace
 from ..parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN, PlatoonParameters
 
 SLOPE_ERROR = 1e-9  # [m/s2] `max_slope` is this close to the true maximum, or closer
@@ -22,7 +21,7 @@ _ALPHA_ERROR = 1e-9  # [1] how close the flattest hill is found, in alpha
 _PROBES = 33  # starting points of the projection's search in r
 
 
-def cell_bound(a: Any, b: Any, shape: PotentialParameters, constants: PlatoonParameters) -> tuple[Any, Any]:
+def cell_bound(a: Array, b: Array, shape: PotentialParameters, constants: PlatoonParameters) -> tuple[Array, Array]:
     """Lower and upper bound of max |V'| over the cell [a, b] of the hill (ours).
 
     The lower bound is |V'| at the better end.  Between its ends a function leaves the chord by at most

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..errors import ModelError
 from ..law.potential import PotentialParameters
@@ -191,8 +192,8 @@ class ParameterNetwork:
         if self._columns and (vehicles not in made_for or self._columns != 2 * vehicles - 1):
             raise ModelError("network_vehicles", self.path.name, (self._columns + 1) // 2, vehicles)
 
-    def _run(self, outputs: list[str], s: Any, v: Any) -> list[Any]:
-        self.require_vehicles(len(v))
+    def _run(self, outputs: list[str], s: ArrayLike, v: ArrayLike) -> list[Any]:
+        self.require_vehicles(np.size(v))
         gaps, speeds = (np.asarray(part, dtype=np.float32)[None, :] for part in (s, v))
         inputs = {INPUT: np.concatenate([gaps, speeds], axis=1)} if self._columns else {GAPS: gaps, SPEEDS: speeds}
         try:
@@ -204,7 +205,7 @@ class ParameterNetwork:
             raise ModelError("network_damaged", self.path.name)
         return found
 
-    def evaluate(self, s: Any, v: Any) -> PotentialParameters:
+    def evaluate(self, s: ArrayLike, v: ArrayLike) -> PotentialParameters:
         """What the network returns for a start, before projection (paper, section IV).
 
         Parameters
@@ -223,7 +224,7 @@ class ParameterNetwork:
         (raw,) = self._run([PARAMETERS], s, v)
         return PotentialParameters(*map(float, raw[0]))
 
-    def candidates(self, s: Any, v: Any, count: int) -> list[PotentialParameters]:
+    def candidates(self, s: ArrayLike, v: ArrayLike, count: int) -> list[PotentialParameters]:
         """The network's answer, then the dictionary's triples that it ranks highest for this start (ours).
 
         Parameters

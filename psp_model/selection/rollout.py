@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..law.controller import MakeController, PaperLaw
+from ..law.controller import Controller, MakeController, Memory, PaperLaw
 from ..law.potential import Potential, PotentialParameters, stacked
 from ..parameters import ObjectiveWeights
 from ..sampling.clock import locate
-from ..sampling.hold import IDEAL, Plant
+from ..sampling.hold import IDEAL, Moving, Plant, Vehicles
 from ..sampling.period import decide, hold
 from ..sampling.policy import Sampling
 from ..state import PlatoonState
@@ -24,6 +23,11 @@ Batch = NDArray[np.float64]
 STEP_R, STEP_P = 0.1, 0.15  # [m], [1] first step of the refinement
 MOST_ROUNDS = 3
 CROSS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
+_STEPS = np.array([[0.0, STEP_R * r, STEP_P * p] for r, p in CROSS])
+
+Tried = Callable[[Batch], tuple[Batch, Batch]]
+"""Rolls out (B, K, 3) triples, K for each start: gives them as projected into the feasible set, and their (B, K) J,
+infinite where Lemma 1 does not certify T throughout."""
 
 
 def rollout_costs(
@@ -33,8 +37,8 @@ def rollout_costs(
     sampling: Sampling,
     horizon: float,
     *,
-    controller: MakeController = PaperLaw,
-    plant: Plant[Any] = IDEAL,
+    controller: MakeController[Memory] | None = None,
+    plant: Plant[Vehicles] | None = None,
 ) -> tuple[Batch, NDArray[np.bool_]]:
     """J of each candidate from this start, and whether Lemma 1 certifies T throughout (ours).
 
@@ -53,15 +57,18 @@ def rollout_costs(
     J, certified : (K,) arrays
     """
     count, T = len(candidates), sampling.T
-    law = controller(stacked(candidates), start.constants)
+    potential = stacked(candidates)
+    law: object = PaperLaw(potential, start.constants) if controller is None else controller(potential, start.constants)
+    driven = cast(Plant[Moving], IDEAL if plant is None else plant)
     s, v = np.repeat(start.s[:, None], count, axis=1), np.repeat(start.v[:, None], count, axis=1)
-    memory, vehicles = None, plant.begin(np.full(count, start.x_leader), s, v)
+    memory: object = None
+    vehicles = driven.begin(np.full(count, start.x_leader), s, v)
     J, certified = np.zeros(count), np.ones(count, dtype=bool)
     with np.errstate(all="ignore"):  # a candidate that is not certified may leave the state space: it is not taken
         for _ in range(max(locate(horizon, T)[0], 1)):
-            memory, a, T_max = decide(law, memory, vehicles)
+            memory, a, T_max = decide(cast(Controller[object], law), memory, vehicles)
             certified &= T_max > T
-            vehicles, added = hold(plant, vehicles, a, T, weights)
+            vehicles, added = hold(driven, vehicles, a, T, weights)
             J += sum(added)
     return J, certified
 
@@ -91,9 +98,6 @@ def best_by_rollout(
 ) -> PotentialParameters:
     """The candidate with the least J among those that are certified throughout, refined (ours).
 
-    A round of refinement tries r + h, r - h, p + k and p - k around the best triple so far and moves to the best of
-    them if it has a smaller J; h = 0.1 m and k = 0.15 are halved after each round.
-
     Parameters
     ----------
     start : initial state
@@ -101,35 +105,61 @@ def best_by_rollout(
     weights : of the objective
     sampling : T counts, the policy does not
     horizon : how far ahead to look [s]
-    rounds : of refinement
+    rounds : of refinement, as for `refined`
 
     Returns
     -------
     the best triple, the earlier of equals; the first candidate, projected, where none is certified
     """
-    best, least = _best(None, np.inf, start, candidates, weights, sampling, horizon)
+
+    def tried(triples: Batch) -> tuple[Batch, Batch]:
+        feasible = [project(PotentialParameters(*map(float, row)), start.constants) for row in triples[0]]
+        J, certified = rollout_costs(start, feasible, weights, sampling, horizon)
+        return as_rows(feasible)[None], np.where(certified, J, np.inf)[None]
+
+    return PotentialParameters(*map(float, refined(tried, as_rows(candidates)[None], rounds)[0]))
+
+
+def refined(tried: Tried, candidates: Batch, rounds: int) -> Batch:
+    """The triple with the least J for each of B starts: of its candidates, then of those around the best so far (ours).
+
+    A round of refinement tries r + h, r - h, p + k and p - k around the best triple so far and moves to the best of
+    them if it has a smaller J; h = 0.1 m and k = 0.15 are halved after each round.
+
+    Parameters
+    ----------
+    tried : rolls triples out
+    candidates : (B, K, 3) array, alpha [1], r [m], p [1]
+    rounds : of refinement
+
+    Returns
+    -------
+    (B, 3) array, the earlier of equals; a start's first candidate where none is certified
+    """
+    best, least = _least(*tried(candidates))
     for number in range(rounds):
-        around = [
-            replace(best, r=best.r + STEP_R * r * 0.5**number, p=best.p + STEP_P * p * 0.5**number) for r, p in CROSS
-        ]
-        best, least = _best(best, least, start, around, weights, sampling, horizon)
+        around, J = tried(best[:, None] + _STEPS * 0.5**number)
+        best, least = _least(
+            np.concatenate([best[:, None], around], axis=1), np.concatenate([least[:, None], J], axis=1)
+        )
     return best
 
 
-def _best(
-    best: PotentialParameters | None,
-    least: float,
-    start: PlatoonState,
-    candidates: Sequence[PotentialParameters],
-    weights: ObjectiveWeights,
-    sampling: Sampling,
-    horizon: float,
-) -> tuple[PotentialParameters, float]:
-    """The best certified candidate with a J below `least` and that J; else `best`, or the first where there is none."""
-    feasible = [project(candidate, start.constants) for candidate in candidates]
-    J, certified = rollout_costs(start, feasible, weights, sampling, horizon)
-    J = np.where(certified, J, np.inf)
-    first = int(np.argmin(J))
-    if J[first] < least:
-        return feasible[first], float(J[first])
-    return best or feasible[0], least
+def as_rows(triples: Sequence[PotentialParameters]) -> Batch:
+    """Triples as an array.
+
+    Parameters
+    ----------
+    triples : K of them
+
+    Returns
+    -------
+    (K, 3) array, alpha [1], r [m], p [1]
+    """
+    return np.array([(one.alpha, one.r, one.p) for one in triples]).reshape(-1, 3)
+
+
+def _least(triples: Batch, J: Batch) -> tuple[Batch, Batch]:
+    """Of each row the triple with the least J, the first of equals, and that J."""
+    place = J.argmin(axis=1)[:, None]
+    return np.take_along_axis(triples, place[..., None], axis=1)[:, 0], np.take_along_axis(J, place, axis=1)[:, 0]

@@ -6,7 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 from math import inf
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from ..errors import ModelError
 from ..law.potential import BEST_FIXED, V_OLD, PotentialParameters
@@ -34,10 +37,11 @@ class Selection(NamedTuple):
     warning: str | None = None
 
 
+@runtime_checkable
 class Selector(Protocol):
     """Selects the potential for vehicles that have come together (ours)."""
 
-    def select(self, s: Any, v: Any, constants: PlatoonParameters) -> Selection:
+    def select(self, s: ArrayLike, v: ArrayLike, constants: PlatoonParameters) -> Selection:
         """The potential for n >= 1 vehicles.
 
         Parameters
@@ -55,7 +59,7 @@ class Selector(Protocol):
 class Old:
     """V_old for everybody (paper)."""
 
-    def select(self, s: Any, v: Any, constants: PlatoonParameters) -> Selection:
+    def select(self, s: ArrayLike, v: ArrayLike, constants: PlatoonParameters) -> Selection:
         """See `Selector.select`."""
         return Selection(V_OLD)
 
@@ -71,7 +75,7 @@ class Fixed:
 
     triple: PotentialParameters = BEST_FIXED
 
-    def select(self, s: Any, v: Any, constants: PlatoonParameters) -> Selection:
+    def select(self, s: ArrayLike, v: ArrayLike, constants: PlatoonParameters) -> Selection:
         """See `Selector.select`."""
         require_feasible(self.triple, constants)
         return Selection(self.triple)
@@ -90,11 +94,12 @@ class FromNetwork:
     networks: Mapping[int, ParameterNetwork]
     fallback: PotentialParameters = BEST_FIXED
 
-    def select(self, s: Any, v: Any, constants: PlatoonParameters) -> Selection:
+    def select(self, s: ArrayLike, v: ArrayLike, constants: PlatoonParameters) -> Selection:
         """See `Selector.select`."""
-        if v.size == 1:
+        n = np.size(v)
+        if n == 1:
             return Fixed(self.fallback).select(s, v, constants)
-        network = self.networks.get(v.size)
+        network = self.networks.get(n)
         reason = why_not(network, s, v, constants)
         if network is not None and reason is None:
             return Selection(self._asked(network, s, v, constants), in_domain=True)
@@ -103,7 +108,9 @@ class FromNetwork:
         warning = str(ModelError("fallback", reason, triple.alpha, triple.r, triple.p))
         return Selection(triple, warning=warning)
 
-    def _asked(self, network: ParameterNetwork, s: Any, v: Any, constants: PlatoonParameters) -> PotentialParameters:
+    def _asked(
+        self, network: ParameterNetwork, s: ArrayLike, v: ArrayLike, constants: PlatoonParameters
+    ) -> PotentialParameters:
         return project(network.evaluate(s, v), constants)
 
 
@@ -124,14 +131,16 @@ class BestOfRollouts(FromNetwork):
     weights: ObjectiveWeights = field(default_factory=ObjectiveWeights)
     sampling: Sampling = field(default_factory=Sampling)
 
-    def _asked(self, network: ParameterNetwork, s: Any, v: Any, constants: PlatoonParameters) -> PotentialParameters:
+    def _asked(
+        self, network: ParameterNetwork, s: ArrayLike, v: ArrayLike, constants: PlatoonParameters
+    ) -> PotentialParameters:
         count, rounds = share_rollouts(self.rollouts)
         candidates, start = network.candidates(s, v, count), PlatoonState(s, v, constants)
         return best_by_rollout(start, candidates, self.weights, self.sampling, self.horizon, rounds)
 
 
 def outside_domain(
-    s: Any, v: Any, constants: PlatoonParameters, domain: StartDomain, trained_with: PlatoonParameters
+    s: ArrayLike, v: ArrayLike, constants: PlatoonParameters, domain: StartDomain, trained_with: PlatoonParameters
 ) -> str | None:
     """Why a network's answer does not hold for a start, or None if it does (ours).
 
@@ -152,7 +161,7 @@ def outside_domain(
     return None
 
 
-def why_not(network: ParameterNetwork | None, s: Any, v: Any, constants: PlatoonParameters) -> str | None:
+def why_not(network: ParameterNetwork | None, s: ArrayLike, v: ArrayLike, constants: PlatoonParameters) -> str | None:
     """Why there is no network's answer for these vehicles, or None if there is.
 
     Parameters
@@ -161,7 +170,7 @@ def why_not(network: ParameterNetwork | None, s: Any, v: Any, constants: Platoon
     s, v, constants : as for `Selector.select`
     """
     if network is None:
-        return f"{v.size} vehicles, for which there is no network here"
+        return f"{np.size(v)} vehicles, for which there is no network here"
     return outside_domain(s, v, constants, network.domain, network.constants)
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import expm1
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ..law.cooperation import is_off
-from ..namespaces import array_namespace
+from ..namespaces import Array, Number, array_namespace
 from ..parameters import Actuation
 
 NEWTON_STEPS = 30  # from the convex side of one root: more than double precision needs
@@ -25,9 +25,9 @@ class Actuators(NamedTuple):
     queue : commands on their way, the first to take effect first, each with the time until then [s]
     """
 
-    a: Any
-    command: Any
-    queue: tuple[tuple[float, Any], ...] = ()
+    a: Array
+    command: Array
+    queue: tuple[tuple[float, Array], ...] = ()
 
 
 class Foreign(NamedTuple):
@@ -39,11 +39,11 @@ class Foreign(NamedTuple):
     a : (n, ...) array, accelerations, of which theirs count; held [m/s2]
     """
 
-    automated: Any
-    a: Any
+    automated: Array
+    a: Array
 
 
-def at_rest(v: Any) -> Actuators:
+def at_rest(v: Array) -> Actuators:
     """Actuators before the first command: they hold 0 (ours).
 
     Parameters
@@ -53,7 +53,7 @@ def at_rest(v: Any) -> Actuators:
     return Actuators(0.0 * v, 0.0 * v)
 
 
-def commanded(actuators: Actuators, a: Any, actuation: Actuation, ago: float = 0.0) -> Actuators:
+def commanded(actuators: Actuators, a: Array, actuation: Actuation, ago: float = 0.0) -> Actuators:
     """The actuators once a command has been given (ours).
 
     Parameters
@@ -65,8 +65,8 @@ def commanded(actuators: Actuators, a: Any, actuation: Actuation, ago: float = 0
 
 
 def drive(
-    v: Any, actuators: Actuators, actuation: Actuation, tau: float, foreign: Foreign | None = None
-) -> tuple[Any, Any, Actuators]:
+    v: Array, actuators: Actuators, actuation: Actuation, tau: float, foreign: Foreign | None = None
+) -> tuple[Array, Array, Actuators]:
     """Speeds after a time tau, distances travelled, and the actuators then: exact (ours).
 
     Parameters
@@ -106,7 +106,7 @@ def settle(actuators: Actuators, actuation: Actuation, tau: float) -> Actuators:
     return _later(actuators, a, tau)
 
 
-def segments(actuators: Actuators, tau: float) -> Iterator[tuple[float, Any]]:
+def segments(actuators: Actuators, tau: float) -> Iterator[tuple[float, Array]]:
     """How long which command is in effect, for a time tau from now on (ours).
 
     Parameters
@@ -124,7 +124,7 @@ def segments(actuators: Actuators, tau: float) -> Iterator[tuple[float, Any]]:
     yield tau - now, command
 
 
-def limited(command: Any, actuation: Actuation) -> Any:
+def limited(command: Array, actuation: Actuation) -> Array:
     """The command inside the limits of the vehicles (ours).
 
     Parameters
@@ -135,14 +135,14 @@ def limited(command: Any, actuation: Actuation) -> Any:
     return xp.minimum(xp.maximum(command, actuation.a_min), actuation.a_max)
 
 
-def _later(actuators: Actuators, a: Any, tau: float) -> Actuators:
+def _later(actuators: Actuators, a: Array, tau: float) -> Actuators:
     """The actuators with another acceleration, and the queue a time tau later."""
     reached = [command for due, command in actuators.queue if due <= tau]
     left = tuple((due - tau, command) for due, command in actuators.queue if due > tau)
     return Actuators(a, reached[-1] if reached else actuators.command, left)
 
 
-def ride(v: Any, a: Any, command: Any, lag: Any, span: Any) -> tuple[Any, Any, Any]:
+def ride(v: Array, a: Array, command: Array, lag: Number, span: Number) -> tuple[Array, Array, Array]:
     """v' = a, lag a' = command - a while v > 0; a vehicle that has stopped stands until a rises above 0 (ours).
 
     v(t) = v + t command + (a - command) lag (1 - exp(-t / lag)), and a lag of 0 gives v + t command.
@@ -170,14 +170,14 @@ def ride(v: Any, a: Any, command: Any, lag: Any, span: Any) -> tuple[Any, Any, A
     return (*_with_stop(v, begins, command, lag, span, then, moved), after)
 
 
-def _begins(a: Any, command: Any, lag: Any) -> Any:
+def _begins(a: Array, command: Array, lag: Number) -> Array:
     """The acceleration with which a ride begins: the command at once where there is no lag."""
     if isinstance(lag, int | float):
         return a if lag > 0.0 else command
     return array_namespace(a).where(lag + 0.0 * a > 0.0, a, command)
 
 
-def _decay(a: Any, lag: Any, span: Any) -> tuple[Any, Any]:
+def _decay(a: Array, lag: Number, span: Number) -> tuple[Number, Number]:
     """1 - exp(-span / lag), and lag times that; 1 and 0 without a lag."""
     if is_off(lag):
         return 1.0, 0.0
@@ -190,7 +190,7 @@ def _decay(a: Any, lag: Any, span: Any) -> tuple[Any, Any]:
     return gone, lag * gone
 
 
-def uninterrupted(v: Any, a: Any, command: Any, lag: Any, span: Any) -> tuple[Any, Any]:
+def uninterrupted(v: Array, a: Array, command: Number, lag: Number, span: Number) -> tuple[Array, Array]:
     """Speed and distance of a vehicle that may reverse (ours).
 
     Parameters
@@ -209,7 +209,9 @@ def uninterrupted(v: Any, a: Any, command: Any, lag: Any, span: Any) -> tuple[An
     return then, span * (v + 0.5 * span * command) + excess * lag * (span - kept)
 
 
-def _with_stop(v: Any, a: Any, command: Any, lag: Any, span: Any, then: Any, moved: Any) -> tuple[Any, Any]:
+def _with_stop(
+    v: Array, a: Array, command: Array, lag: Number, span: Number, then: Array, moved: Array
+) -> tuple[Array, Array]:
     """Speed and distance where vehicles may come to a stop on the way, and may drive off again."""
     xp = array_namespace(v)
     again = (a < 0.0) * (command > 0.0)  # braking still, but told to drive off; symbols know no &
@@ -223,7 +225,7 @@ def _with_stop(v: Any, a: Any, command: Any, lag: Any, span: Any, then: Any, mov
     return xp.where(stops, xp.maximum(speed, 0.0), xp.maximum(then, 0.0)), xp.where(stops, until + further, moved)
 
 
-def first_stop(v: Any, a: Any, command: Any, lag: Any, low: Any) -> Any:
+def first_stop(v: Array, a: Array, command: Number, lag: Number, low: Array) -> Array:
     """When the speed falls to 0, by Newton's method from the side where it is monotone (ours).
 
     Parameters

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..law.following import NEAREST, followed_by
-from ..namespaces import array_namespace, smallest
+from ..namespaces import Array, Number, array_namespace, smallest
 from .actuation import first_stop, ride, uninterrupted
 
 TINY = 1e-12  # [s] no time is divided by less
@@ -27,11 +27,11 @@ class Braking(NamedTuple):
     a_min : accelerations braked with, below 0, numbers or (n, ...) array [m/s2]
     """
 
-    v: Any
-    a: Any
-    dead_time: Any
-    lag: Any
-    a_min: Any
+    v: Array
+    a: Array
+    dead_time: Number
+    lag: Number
+    a_min: Number
 
     def rows(self, which: slice) -> Braking:
         """Some of the vehicles.
@@ -40,10 +40,11 @@ class Braking(NamedTuple):
         ----------
         which : their places
         """
-        return Braking(*(one[which] if getattr(one, "shape", ()) else one for one in self))
+        parts: Any = self
+        return Braking(*(one[which] if getattr(one, "shape", ()) else one for one in parts))
 
 
-def brake_margin(clearance: Any, vehicles: Braking, automated: Any = None) -> Any:
+def brake_margin(clearance: Array, vehicles: Braking, automated: Array | None = None) -> Array:
     """The largest b so that all vehicles not automated may brake with b to standstill and those behind touch nobody.
 
     Without any vehicle that drives itself the leader is the one that brakes.  The automated vehicles behind it keep
@@ -70,7 +71,7 @@ def brake_margin(clearance: Any, vehicles: Braking, automated: Any = None) -> An
     ahead, behind = vehicles.rows(slice(None, -1)), vehicles.rows(slice(1, None))
     of_ahead, of_behind = stop(ahead), stop(behind)
 
-    def bound(t: Any) -> Any:
+    def bound(t: Array) -> Array:
         needed = travelled(behind, of_behind, t) - clearance
         apart = xp.where(travelled(ahead, of_ahead, t) > needed, MOST, 0.0)
         return xp.where(brakes[:-1] < 0.5, hardest(needed, ahead.v, t), apart)
@@ -80,7 +81,7 @@ def brake_margin(clearance: Any, vehicles: Braking, automated: Any = None) -> An
     return smallest(xp.where(counted, xp.minimum(xp.maximum(least, 0.0), MOST), MOST))
 
 
-def _least(bound: Callable[[Any], Any], until: Any) -> Any:
+def _least(bound: Callable[[Array], Array], until: Array) -> Array:
     """The smallest of a function of time until a time, element by element, looked at more densely at first."""
     shares = [(k / INSTANTS) ** 2 for k in range(1, INSTANTS + 1)]
     if isinstance(until, np.ndarray):
@@ -92,7 +93,7 @@ def _least(bound: Callable[[Any], Any], until: Any) -> Any:
     return least
 
 
-def hardest(needed: Any, v: Any, t: Any) -> Any:
+def hardest(needed: Array, v: Array, t: Array) -> Array:
     """The largest constant deceleration that takes a vehicle at least `needed` far within a time t (ours).
 
     It travels v t - b t^2 / 2, or v^2 / (2 b) where it stands by then, which it does for b > v / t.
@@ -117,7 +118,7 @@ def hardest(needed: Any, v: Any, t: Any) -> Any:
     return xp.where(far, xp.minimum(found, MOST), MOST)
 
 
-def stop(vehicles: Braking) -> tuple[Any, Any]:
+def stop(vehicles: Braking) -> tuple[Array, Array]:
     """For how long vehicles keep their accelerations, standing included, and then brake to standstill (ours).
 
     Returns
@@ -132,7 +133,7 @@ def stop(vehicles: Braking) -> tuple[Any, Any]:
     return dead_time + 0.0 * v, first_stop(speed, xp.where(lag + 0.0 * v > 0.0, a, a_min), a_min, lag, low)
 
 
-def travelled(vehicles: Braking, stops: tuple[Any, Any], t: Any) -> Any:
+def travelled(vehicles: Braking, stops: tuple[Array, Array], t: Array) -> Array:
     """How far vehicles get within a time (ours).
 
     Parameters

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from ..namespaces import Array, Number
 from ..parameters import Actuation
 from ..sampling.hold import gaps_after
 from .actuation import Actuators, Foreign, at_rest, commanded, drive
@@ -20,9 +21,9 @@ class Delayed(NamedTuple):
     actuators : their state, with the commands on their way
     """
 
-    x: Any
-    s: Any
-    v: Any
+    x: Number
+    s: Array
+    v: Array
     actuators: Actuators
 
 
@@ -37,11 +38,11 @@ class DelayedVehicles:
 
     actuation: Actuation = field(default_factory=Actuation)
 
-    def begin(self, x: Any, s: Any, v: Any) -> Delayed:
+    def begin(self, x: Number, s: Array, v: Array) -> Delayed:
         """See `Plant.begin`."""
         return Delayed(x, s, v, at_rest(v))
 
-    def advance(self, vehicles: Delayed, a: Any, tau: Any, foreign: Foreign | None = None) -> tuple[Delayed, Any]:
+    def advance(self, vehicles: Delayed, a: Array, tau: float, foreign: Foreign | None = None) -> tuple[Delayed, Array]:
         """The state a time tau later, and the mean accelerations until then.
 
         Parameters

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..namespaces import Number
 from ..sampling.hold import DoubleIntegrators, Motion, gaps_after, travelled
 from ..sampling.loop import Vector
 from ..state import PlatoonState
@@ -18,7 +19,7 @@ class StoppingIntegrators(DoubleIntegrators):
     In certified periods nobody does, and these are the paper's vehicles.
     """
 
-    def advance(self, vehicles: Motion, a: Vector, tau: float) -> tuple[Motion, Vector]:
+    def advance(self, vehicles: Motion, a: Vector, tau: Number) -> tuple[Motion, Vector]:
         """See `Plant.advance`."""
         v = vehicles.v + tau * a
         stops = v < 0

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ..law.cooperation import Cooperation, Traffic, contact_spacing, cooperative_command, is_off
 from ..law.potential import Potential
-from ..namespaces import array_namespace
+from ..namespaces import Array, Number, array_namespace
 from ..parameters import Actuation, PlatoonParameters
 from ..sampling.hold import gaps_after
 from .actuation import Actuators, Foreign, at_rest, commanded, drive, ride, settle
@@ -38,12 +38,12 @@ class Predicted(NamedTuple):
     a : (n, ...) accelerations then, 0 for vehicles that stand [m/s2]
     """
 
-    s: Any
-    v: Any
-    a: Any
+    s: Array
+    v: Array
+    a: Array
 
 
-def nothing_issued(v: Any, span: float) -> Issued:
+def nothing_issued(v: Array, span: float) -> Issued:
     """Before the first command: actuators hold 0 (ours).
 
     Parameters
@@ -54,7 +54,7 @@ def nothing_issued(v: Any, span: float) -> Issued:
     return Issued(at_rest(v), span)
 
 
-def issue(issued: Issued, a: Any, T: float, actuation: Actuation) -> Issued:
+def issue(issued: Issued, a: Array, T: float, actuation: Actuation) -> Issued:
     """What is known one sampling period after a command has been given (ours).
 
     Parameters
@@ -67,7 +67,7 @@ def issue(issued: Issued, a: Any, T: float, actuation: Actuation) -> Issued:
 
 
 def predict(
-    issued: Issued, s: Any, v: Any, age: float, actuation: Actuation, foreign: Foreign | None = None
+    issued: Issued, s: Array, v: Array, age: float, actuation: Actuation, foreign: Foreign | None = None
 ) -> Predicted:
     """The vehicles a dead time from now, from what was measured `age` ago (ours).
 
@@ -90,7 +90,7 @@ def predict(
     return Predicted(gaps_after(s, moved), then, xp.where(then > 0.0, a, xp.maximum(a, 0.0)))
 
 
-def later(predicted: Predicted, span: Any) -> Predicted:
+def later(predicted: Predicted, span: Number) -> Predicted:
     """The vehicles a time later if they keep their accelerations, down to standstill (ours).
 
     Parameters
@@ -108,8 +108,8 @@ def predictive_command(
     constants: PlatoonParameters,
     cooperation: Cooperation,
     traffic: Traffic,
-    lag: Any,
-) -> Any:
+    lag: Number,
+) -> Array:
     """The law a lag ahead: command + lag (d/dt) command is what a first-order lag turns into the command (ours).
 
     The law is evaluated at the predicted state and the longest lag after it; a vehicle takes the mean of the two with
@@ -124,7 +124,7 @@ def predictive_command(
     (n, ...) array [m/s2]
     """
 
-    def at(state: Predicted) -> Any:
+    def at(state: Predicted) -> Array:
         xp = array_namespace(state.v)
         v = xp.minimum(state.v, constants.v_max)
         room = contact_spacing(state.s, cooperation, constants) - constants.L
@@ -143,7 +143,7 @@ def predictive_command(
     return share * ahead + (1.0 - share) * at(predicted)
 
 
-def _with_rates(traffic: Traffic, a: Any) -> Traffic:
+def _with_rates(traffic: Traffic, a: Array) -> Traffic:
     """The traffic with the accelerations of vehicles that drive themselves as predicted."""
     return (
         traffic

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..errors import ModelError
 from ..law.cooperation import Cooperation, Traffic, closing_speeds, is_off, model_spacing
 from ..law.potential import Potential
 from ..law.watching import Watched, accelerations, watch
+from ..namespaces import Array, Number
 from ..parameters import Actuation, PlatoonParameters
 from .actuation import Foreign, limited
 from .prediction import Issued, Predicted, issue, nothing_issued, predict, predictive_command
@@ -27,14 +28,14 @@ class Seen(NamedTuple):
     v_desired, a_desired : desired speed of vehicles that follow nobody, None for v* [m/s], and its derivative [m/s2]
     """
 
-    s: Any
-    v: Any
+    s: Array
+    v: Array
     age: float = 0.0
-    automated: Any = None
-    a: Any = None
-    known: Any = None
-    v_desired: Any = None
-    a_desired: Any = 0.0
+    automated: Array | None = None
+    a: Array | None = None
+    known: Array | None = None
+    v_desired: Number | None = None
+    a_desired: Number = 0.0
 
 
 class Remembered(NamedTuple):
@@ -72,13 +73,13 @@ class RoadLaw:
     actuation: Actuation = field(default_factory=Actuation)
     T: float = 0.01
     oldest: float = 0.0
-    automated: Any = None
+    automated: Array | None = None
 
-    def decide(self, memory: Remembered | None, s: Any, v: Any) -> tuple[Remembered, Any]:
+    def decide(self, memory: Remembered | None, s: Array, v: Array) -> tuple[Remembered, Array]:
         """See `Controller.decide`."""
         return self.sample(memory, Seen(s, v, automated=self.automated))
 
-    def sample(self, memory: Remembered | None, seen: Seen) -> tuple[Remembered, Any]:
+    def sample(self, memory: Remembered | None, seen: Seen) -> tuple[Remembered, Array]:
         """The commands at a sampling instant, from measurements of some age.
 
         Parameters

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from nicegui import ui
 
+from psp_model.analysis.response import Choice, feasible_edge, respond
 from psp_model.law.potential import BEST_FIXED
 from psp_model.parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN, PlatoonParameters
 from psp_model.state import StartDomain
 
 from .plots import feasible_plot, potential_plots, run_plots
-from .response import Choice, feasible_edge, respond
 
 _STYLE = """
 .figures { display:grid; grid-template-columns:repeat(auto-fill, minmax(150px, 1fr)); gap:.2rem 1rem; }

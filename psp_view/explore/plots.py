@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from psp_model.analysis.response import Choice, Response
 from psp_model.parameters import HILL_WIDTH, P_MAX, P_MIN, PlatoonParameters
 
 from ..palette import colours
 from ..runs import QUANTITIES
-from .response import Choice, Response
 
 _CEILING = 8.0  # V and V' are drawn up to this
 _EVERY = 4  # sampling instants per point drawn

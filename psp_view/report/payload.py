@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from psp_model.analysis.cases import Case
+from psp_model.analysis.curves import curve
+from psp_model.analysis.motion import moving_frame
 from psp_model.run import Run
 
-from ..curves import curve
-from ..moving_frame import moving_frame
 from ..palette import OKABE_ITO, cividis, colours
 from .thin import kept, rounded
 

@@ -43,6 +43,6 @@ def test_a_file_that_the_page_names_exists(path: str) -> None:
 
 @pytest.mark.parametrize("mutant", MUTANTS, ids=lambda mutant: f"{mutant['function']}-{mutant['after']}")
 def test_an_explained_mutant_is_a_change_of_the_present_code(mutant: dict[str, str]) -> None:
-    module = ".".join(mutant["function"].split(".")[:2]).replace(".", "/") + ".py"
+    module = mutant["function"].rpartition(".")[0].replace(".", "/") + ".py"
     lines = [line.strip() for line in (ROOT / module).read_text(encoding="utf-8").splitlines()]
     assert mutant["before"] in lines and mutant["after"] not in lines and mutant["why"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import sys
 import tomllib
 from collections.abc import Iterator
@@ -16,6 +17,9 @@ FLOORS = tomllib.loads((ROOT / "docs" / "rooms.toml").read_text(encoding="utf-8"
 ROOMS: dict[str, tuple[int, Any]] = {
     room["path"]: (floor, room) for floor, level in enumerate(FLOORS) for room in level["rooms"]
 }
+PROGRAMS = {"psp_cli", "psp_cli/interrupt", "build_fmu"}
+"""Rooms that have options on a command line."""
+
 OURS = ("psp_model", "fmu_src", "psp_view", "psp_traffic", "psp_cli", "build_fmu")
 FILES = [
     path.relative_to(ROOT)
@@ -67,3 +71,31 @@ def test_imports_point_down(path: Path) -> None:
 def test_every_room_has_something_in_it() -> None:
     inhabited = {room_of(module_of(path)) for path in FILES}
     assert inhabited == set(ROOMS)
+
+
+def test_every_room_uses_the_packages_that_it_is_said_to_know() -> None:
+    used: dict[str, set[str]] = {room: set() for room in ROOMS}
+    for path in FILES:
+        used[room_of(module_of(path))] |= {name.split(".")[0] for _, name in imports(path)}
+    idle = {path: set(room.get("foreign", [])) - used[path] for path, (_, room) in ROOMS.items()}
+    assert not {path: packages for path, packages in idle.items() if packages}
+
+
+def options() -> set[str]:
+    """Every option of `psp` and of the build script."""
+    from typer.main import get_command
+
+    from psp_cli.main import app
+
+    commands: Any = get_command(app)
+    return {word for one in commands.commands.values() for option in one.params for word in option.opts if "--" in word}
+
+
+@pytest.mark.parametrize("path", [path for path in FILES if room_of(module_of(path)) not in PROGRAMS], ids=str)
+def test_a_library_names_no_option_of_the_command_line(path: Path) -> None:
+    """What to do with an option is said by the program that has it (psp_cli/remedies.py)."""
+    words = re.compile(rf"(?<![\w-])(?:{'|'.join(sorted(options(), key=len, reverse=True))})(?![\w-])")
+    for node in ast.walk(ast.parse((ROOT / path).read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and " " in node.value.strip():
+            found = words.search(node.value)
+            assert found is None, f"{path}:{node.lineno} speaks of {found[0] if found else ''}: {node.value!r}"

@@ -14,7 +14,7 @@ from psp_model.law.feedback import SPEED_MARGIN, feedback, feedback_towards, rep
 from psp_model.law.potential import potential_slope
 from psp_model.sampling.hold import Motion, advance, travelled
 from psp_model.sampling.lemma1 import largest_period
-from psp_model.vehicles.ideal import IdealPlant
+from psp_model.vehicles.ideal import STOPPING, IdealPlant
 from strategies import CONSTANTS, Vector, omega, shapes
 
 V_MAX = CONSTANTS.v_max
@@ -101,7 +101,7 @@ def test_who_stands_and_is_told_to_stand_is_commanded_nothing(shape: PotentialPa
 )
 def test_the_plant_s_vehicles_do_not_reverse(v: list[float], a: list[float], T: float) -> None:
     start = Motion(3.0, np.array([1e4, 1e4]), np.array(v))
-    end = start.after(np.array(a), T)
+    end, _ = STOPPING.advance(start, np.array(a), T)
     for i in range(3):
         stands_at = v[i] / -a[i] if a[i] < 0 else np.inf
         expected = T * v[i] + 0.5 * T * T * a[i] if stands_at >= T else 0.5 * v[i] * stands_at
@@ -125,8 +125,9 @@ def test_a_closed_loop_lives_with_speeds_at_the_bounds_and_a_rounding_error_beyo
     shape: PotentialParameters, policy: Lemma1Policy
 ) -> None:
     s, v = np.array([90.0, 80.0, 95.0]), np.array([0.0, V_MAX, 0.0, V_MAX])
-    platoon = SampledPlatoon(PlatoonState(s, v), shape, sampling=Sampling(0.01, policy))
-    platoon.now = replace(platoon.now, v=v + np.array([-1e-18, 1e-14, -1e-12, 7e-15]))
+    platoon = SampledPlatoon.begin(PlatoonState(s, v), shape, sampling=Sampling(0.01, policy))
+    beyond = platoon.now.vehicles._replace(v=v + np.array([-1e-18, 1e-14, -1e-12, 7e-15]))
+    platoon.now = platoon.now._replace(vehicles=beyond)
     platoon.advance_to(1, 0.0)
     for period in range(2, 150):
         platoon.advance_to(period, 0.0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import fields, replace
+from dataclasses import replace
 from math import frexp
 
 import numpy as np
@@ -30,7 +30,7 @@ from strategies import CONSTANTS, paper_start
 
 T = 0.01  # [s]
 END = 1.0  # [s]
-STATE = ("x", "s", "v", *(field.name for field in fields(Instant) if field.name != "vehicles"))
+STATE = ("x", "s", "v", *(name for name in Instant._fields if name != "vehicles"))
 
 
 def steps_of(step: float) -> list[float]:
@@ -96,8 +96,8 @@ def test_the_same_at_common_sampling_instants(name: str, case: str) -> None:
     expected, seen = walk(plain, SEQUENCES["T"]), walk(other, [*SEQUENCES[name], END])
     assert len(seen) >= 2
     for k, observation in seen.items():
-        for field in fields(Observation):
-            assert np.array_equal(getattr(observation, field.name), getattr(expected[k], field.name)), (k, field.name)
+        for name, one, another in zip(Observation._fields, observation, expected[k], strict=True):
+            assert np.array_equal(one, another), (k, name)
     assert plain.now.violations == other.now.violations
     assert (plain.now.violations > 0) == (case != "policy 1")
 
@@ -189,7 +189,7 @@ def test_the_cost_goes_on_through_a_change() -> None:
         run.advance_to(3, 0.0)
     halfway = plain.observe(3, 0.5)
     changed = changed.take_over(3, 0.5, float(halfway.x[0]), halfway.s, halfway.v, BEST_FIXED)
-    assert np.array_equal(changed.now.cost, halfway.cost) and changed.now.cost.min() > 0
+    assert np.array_equal(changed.now.cost, halfway.cost) and min(changed.now.cost) > 0
     assert np.array_equal(changed.now.a, feedback(halfway.s, halfway.v, BEST_FIXED, CONSTANTS))
 
 
@@ -267,13 +267,11 @@ def test_a_kept_instant_restores_the_run_bit_for_bit(case: str) -> None:
     run.advance_to(80, 0.0)
     run.now = kept
     again = walk(run, [0.2, 0.317, 0.5])
-    resumed = SampledPlatoon(run.loop, run.sampling, replace(kept))
+    resumed = SampledPlatoon(run.loop, run.sampling, kept._replace())
     elsewhere = walk(resumed, [0.2, 0.317, 0.5])
     for k in (20, 50):
-        for field in fields(Observation):
-            expected = getattr(first[k], field.name)
-            assert np.array_equal(getattr(again[k], field.name), expected)
-            assert np.array_equal(getattr(elsewhere[k], field.name), expected)
+        for expected, *others in zip(first[k], again[k], elsewhere[k], strict=True):
+            assert all(np.array_equal(one, expected) for one in others)
 
 
 def test_a_kept_instant_is_not_changed_by_going_on() -> None:

@@ -10,10 +10,12 @@ import pytest
 from typer.testing import CliRunner
 
 from psp_cli.main import app
+from psp_cli.remedies import REMEDIES
 from psp_model import PlatoonParameters, PotentialParameters, require_feasible
 from psp_model.offline.plan import Plan
 from small_problems import draw
 
+ROOT = Path(__file__).parents[2]
 RUN = CliRunner()
 HEADER = "s_2,s_3,v_1,v_2,v_3\n"
 
@@ -136,3 +138,24 @@ def test_csv_headers_that_would_fill_the_memory_are_refused(tmp_path: Path, head
     path = tmp_path / "starts.csv"
     path.write_text(header)
     assert words in sentence(["optimize", "--starts", str(path), "-o", str(tmp_path / "out.csv")])
+
+
+def test_the_remedy_names_the_option_of_the_command(tiny_plan: Plan, tmp_path: Path) -> None:
+    """The library says what is wrong; the command line, which has the option, what to do with it."""
+    path, parts = tmp_path / "a.parquet", tmp_path / "a.parquet.parts"
+    arguments = ["dataset", "-n", "3", "--starts", "3", "--effort", "tiny", "-o", str(path)]
+    assert RUN.invoke(app, arguments).exit_code == 0
+    assert sentence(arguments).endswith("exists already: remove it or give --output another name")
+    path.unlink()
+    parts.mkdir()
+    (parts / "plan.json").write_text("{}")
+    (parts / "000000.npz").write_bytes(b"half")
+    assert sentence(arguments).endswith("holds an unfinished run: go on with --resume, or remove that folder")
+    assert "with another plan: repeat the options" in sentence([*arguments, "--resume"])
+    assert "there is no data set" in (said := sentence(["train", "--data", "b.parquet", "-o", "net.onnx"]))
+    assert said.endswith("make one with psp dataset")
+
+
+def test_every_remedy_is_that_of_an_error_which_the_library_raises() -> None:
+    library = "".join(path.read_text() for path in (ROOT / "psp_model" / "offline").glob("*.py"))
+    assert all(f'"{key}")' in library for key in REMEDIES)

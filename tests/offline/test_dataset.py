@@ -64,7 +64,7 @@ def test_kill_9_costs_one_chunk_at_most_and_ends_in_the_same_file(tiny_plan: Pla
     process.wait()
     assert not path.exists()
     kept = {part: part.stat().st_mtime_ns for part in parts.glob("*.npz")}
-    with pytest.raises(OfflineError, match="--resume"):
+    with pytest.raises(OfflineError, match="go on with resume"):
         make(tiny_plan, path)
     solved = []
     make(tiny_plan, path, resume=True, watch=lambda done, chunks: solved.append(done))
@@ -173,7 +173,7 @@ def test_full_disk_is_one_sentence_and_leaves_nothing_half_written(
     whole = make(tiny_plan, tmp_path / "whole.parquet")
     with monkeypatch.context() as patch:
         patch.setattr(module.os, "fsync", full)
-        with pytest.raises(OfflineError, match=r"No space left on device.*--resume"):
+        with pytest.raises(OfflineError, match=r"No space left on device.*resume"):
             make(tiny_plan, tmp_path / "a.parquet")
     assert not list(tmp_path.rglob("*.partial")) and not (tmp_path / "a.parquet").exists()
     assert make(tiny_plan, tmp_path / "a.parquet", resume=True) == whole
@@ -211,7 +211,7 @@ def test_resuming_another_plan_is_refused(tiny_plan: Plan, tmp_path: Path) -> No
 
     with pytest.raises(KeyboardInterrupt):
         make(tiny_plan, path, watch=stop)
-    with pytest.raises(OfflineError, match="begun with other options"):
+    with pytest.raises(OfflineError, match="begun with another plan"):
         make(replace(tiny_plan, seed=6), path, resume=True)
 
 

@@ -28,7 +28,7 @@ from psp_model.sampling.policy import Sampling
 from psp_model.selection.network import ParameterNetwork
 from psp_model.selection.search.search import EFFORTS
 from psp_model.selection.search.slope_limit import SlopeLimit
-from psp_model.selection.selectors import ParameterSource, Request, choose_potential
+from psp_model.selection.selectors import ParameterSource, Request, select_for
 from small_problems import PLAN, TINY, draw
 
 QUICK = Schedule(3e-3, True, 5, 16, 5)
@@ -155,7 +155,7 @@ def test_evaluation_agrees_with_runs_of_the_model(data: Dataset, tmp_path: Path)
     for k in range(4):
         start = PlatoonState(data.starts[k, :2], data.starts[k, 2:])
         request = Request(source=ParameterSource.ROLLOUT, rollouts=16, horizon=data.problem.horizon)
-        chosen = choose_potential(start, request, network, ObjectiveWeights(), Sampling(), lambda sentence: None)
+        chosen = select_for(start, request, network, ObjectiveWeights(), Sampling()).potential
         np.testing.assert_allclose([chosen.alpha, chosen.r, chosen.p], rollout.triples[k], rtol=1e-12)
         run = simulate(start, PotentialParameters(*map(float, alone.triples[k])), duration=data.problem.horizon)
         assert pytest.approx(alone.J[k], abs=1e-9) == run.J

@@ -102,7 +102,7 @@ def test_a_saved_platoon_has_the_identical_future(seed):
         for _ in range(40):
             each = step(each, again, clock)
         now = each.platoon.now
-        ends.append((each.vehicles, now.x, now.s.tolist(), now.v.tolist(), now.cost.tolist(), now.violations))
+        ends.append((each.vehicles, now.x, now.s.tolist(), now.v.tolist(), now.cost, now.violations))
     assert ends[0] == ends[1]
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from psp_model import ModelError, PlatoonParameters, PlatoonState, PotentialParameters, require_feasible, simulate
+from psp_model.analysis.response import Choice, feasible_edge, respond
 from psp_view.explore.plots import feasible_plot, potential_plots, run_plots
-from psp_view.explore.response import Choice, feasible_edge, respond
 
 PAPER = PlatoonParameters()
 START = ((9.5, 11.0), (30.0, 31.0, 29.0))

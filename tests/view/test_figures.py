@@ -10,12 +10,13 @@ import pytest
 from PIL import Image
 
 from psp_model import BEST_FIXED, V_OLD, PlatoonParameters, PlatoonState, StartDomain, require_feasible, simulate
+from psp_model.analysis.curves import curve, hill
+from psp_model.analysis.landscape import landscape, optimum
+from psp_model.analysis.motion import closing_speeds, moving_frame
 from psp_model.law.potential import PotentialParameters
-from psp_view.landscape import draw_landscape, landscape, optimum
-from psp_view.motion import closing_speeds
-from psp_view.moving_frame import moving_frame
+from psp_view.landscape import draw_landscape
 from psp_view.palette import OKABE_ITO, cividis, colours
-from psp_view.potentials import BASE, VARIED, curve, draw_potentials, family, hill
+from psp_view.potentials import BASE, VARIED, draw_potentials, family
 from psp_view.runs import draw_runs, save_runs
 from psp_view.style import save
 

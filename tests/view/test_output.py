@@ -62,7 +62,7 @@ TABLES: list[tuple[str, Callable[[Any], bool]]] = [
     ("compare --duration 0.2", lambda found: found["runs"]["V_old"]["figures"]["r"] == {"value": 0.0, "unit": "m"}),
     ("certify --duration 0.2 --set T='10 ms'", lambda found: found["certified"] and found["start"]["T"] == 0.01),
     ("certify --start-only", lambda found: found["start"]["T_max"] > 0.01 and "tightest" not in found),
-    ("simulate {fmu} --duration 0.2", lambda found: found["runs"]["PspPlatoon"]["smallest gap"]["unit"] == "m"),
+    ("simulate {fmu} --duration 0.2", lambda found: found["runs"]["PspPlatoon"]["smallest spacing"]["unit"] == "m"),
     ("simulate {fmu} --list", lambda found: "L" in [one["name"] for one in found["parameters"]]),
     ("doctor {fmu}", lambda found: found["good"] == all(finding["good"] for finding in found["findings"])),
 ]
@@ -98,7 +98,7 @@ def test_standard_output_carries_nothing_but_the_data(fmu: Path, tmp_path: Path,
     assert ran.returncode == 0, ran.stderr
     if "--csv" in words:
         (tmp_path / "out.csv").write_text(ran.stdout)
-        assert len(read_csv(tmp_path / "out.csv")) == 21 and "smallest gap" in ran.stderr
+        assert len(read_csv(tmp_path / "out.csv")) == 21 and "smallest spacing" in ran.stderr
     else:
         assert set(strict(ran.stdout)["situations"]["highway"]) == {"V_new", "V_old", "IDM", "ACC", "CACC"}
 

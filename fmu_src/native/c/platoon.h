@@ -1,4 +1,4 @@
-/* The sampled platoon in C: clock and policies; mirrors psp_model/platoon.py. */
+/* The sampled platoon in C: clock and policies; mirrors psp_model/platoon.py and sampling/loop.py. */
 #ifndef PSP_PLATOON_H
 #define PSP_PLATOON_H
 

@@ -1,8 +1,8 @@
 """Rollouts of the closed loop by the million: the model's own step, written to C by CasADi, compiled for this machine.
 
-There is no second copy of the dynamics here: `_step` calls the model's own period with CasADi symbols.  The C code runs
-32 rollouts side by side in vector instructions, about 20 times faster than the same functions batched by JAX on the
-same core (benchmarks/offline_speed.py).
+There is no second copy of the dynamics here: `_step` calls the model's own period with CasADi symbols.  The C code
+runs 32 rollouts side by side in vector instructions, about 20 times faster than the same functions batched by JAX on
+the same core (benchmarks/offline_speed.py).
 """
 
 from __future__ import annotations
@@ -84,15 +84,17 @@ def _step(problem: Problem, form: _Form) -> str:
     import casadi
 
     n, T = problem.vehicles, problem.T
-    s, v = casadi.SX.sym("s", n - 1), casadi.SX.sym("v", n)
+    s: Any = casadi.SX.sym("s", n - 1)
+    v: Any = casadi.SX.sym("v", n)
+    origin: Any = casadi.SX(0.0)
     symbols = casadi.SX.sym("shape", 4 if form.kept else 3)  # the search knows potentials with a hill only
     names = ("alpha", "r", "p", "hill")[: symbols.numel()]
     shape = generic(PotentialParameters, **{name: symbols[place] for place, name in enumerate(names)})
-    law, vehicles = PaperLaw(shape, problem.constants), IDEAL.begin(casadi.SX(0.0), s, v)
+    law, vehicles = PaperLaw(shape, problem.constants), IDEAL.begin(origin, s, v)
     _, a, T_max = decide(law, None, vehicles)
     after, added = hold(IDEAL, vehicles, a, T, problem.weights)
     if form.kept:
-        numbers = [*added, T_max, casadi.mmin(after.s), casadi.mmax(casadi.fabs(a))]
+        numbers: list[Any] = [*added, T_max, casadi.mmin(after.s), casadi.mmax(casadi.fabs(a))]
     else:
         numbers = [sum(added), *([T_max] if form.lows else [])]
     out = casadi.vertcat(after.s, after.v, *numbers)

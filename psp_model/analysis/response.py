@@ -8,18 +8,17 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from psp_model.errors import ModelError
-from psp_model.figures import Figure
-from psp_model.law.potential import V_OLD, PotentialParameters
-from psp_model.parameters import HILL_WIDTH, P_MAX, P_MIN, PlatoonParameters
-from psp_model.run import Run
-from psp_model.sampling.policy import Lemma1Policy, Sampling
-from psp_model.selection.feasible import max_slope, project, require_feasible
-from psp_model.simulate import simulate
-from psp_model.state import PlatoonState
-from psp_model.validate import validate
-
-from ..curves import Curve, curve
+from ..errors import ModelError
+from ..figures import Figure
+from ..law.potential import V_OLD, PotentialParameters
+from ..parameters import HILL_WIDTH, P_MAX, P_MIN, PlatoonParameters
+from ..run import Run
+from ..sampling.policy import Lemma1Policy, Sampling
+from ..selection.feasible import max_slope, project, require_feasible
+from ..simulate import simulate
+from ..state import PlatoonState
+from ..validate import validate
+from .curves import Curve, curve
 
 
 @dataclass(frozen=True)

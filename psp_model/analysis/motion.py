@@ -1,11 +1,12 @@
-"""A run seen from a frame that drives along."""
+"""A run seen from a frame that drives along, and how fast its spacings change."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from psp_model.run import Run
+from ..run import Run
+from ..sampling.hold import relative
 
 
 def moving_frame(run: Run, speed: float) -> NDArray[np.float64]:
@@ -21,3 +22,17 @@ def moving_frame(run: Run, speed: float) -> NDArray[np.float64]:
     (K, n) array [m]
     """
     return run.x - run.x[0, 0] - speed * (run.time - run.time[0])[:, None]
+
+
+def closing_speeds(run: Run) -> NDArray[np.float64]:
+    """ds_i/dt = v_{i-1} - v_i.
+
+    Parameters
+    ----------
+    run : the run
+
+    Returns
+    -------
+    (K, n-1) array [m/s]
+    """
+    return relative(run.v.T).T
