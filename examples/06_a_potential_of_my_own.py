@@ -6,12 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from psp_model import BEST_FIXED, PlatoonParameters, PlatoonState, Run, Sampling, rollout_costs, simulate
-from psp_model.parameters import ObjectiveWeights
+from psp_model import BEST_FIXED, PlatoonParameters, PlatoonState, Run, rollout_costs, simulate
 
 
 class Quadratic(NamedTuple):
-    """V(s) = k (d - s)^2 / (s - L) below the spacing d, else 0; see `psp_model.law.potential.Potential`.
+    """V(s) = k (d - s)^2 / (s - L) below the spacing d, else 0; see `psp_model.Potential`.
 
     k : strength [m/s2]; d : reach [m].  Numbers, or arrays with one entry for each platoon of a batch.
     """
@@ -34,7 +33,7 @@ def main() -> dict[str, Run]:
     """Roll out nine reaches, run the best, and compare it with the paper's potential."""
     start = PlatoonState([9.0, 10.5, 11.0], [30.0, 31.0, 29.0, 30.5])
     candidates = [Quadratic(0.05, d) for d in np.linspace(8.0, 16.0, 9).tolist()]
-    J, certified = rollout_costs(start, candidates, ObjectiveWeights(), Sampling(), horizon=20.0)
+    J, certified = rollout_costs(start, candidates)
     best = candidates[int(np.argmin(np.where(certified, J, np.inf)))]
     runs = {f"quadratic, d = {best.d:g} m": simulate(start, best), "V_new": simulate(start, BEST_FIXED)}
     for name, run in runs.items():

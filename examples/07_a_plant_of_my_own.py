@@ -6,8 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from psp_model import BEST_FIXED, PlatoonState, PotentialParameters, Run, Sampling, rollout_costs, simulate
-from psp_model.parameters import ObjectiveWeights
+from psp_model import BEST_FIXED, PlatoonState, PotentialParameters, Run, rollout_costs, simulate
 
 
 class Lagging(NamedTuple):
@@ -20,7 +19,7 @@ class Lagging(NamedTuple):
 
 
 class FirstOrderLag(NamedTuple):
-    """lag a' = u - a, solved exactly for a command u that is held; see `psp_model.sampling.hold.Plant`."""
+    """lag a' = u - a, solved exactly for a command u that is held; see `psp_model.Plant`."""
 
     lag: float  # [s]
 
@@ -46,7 +45,7 @@ def main() -> dict[str, Run]:
     for name, run in runs.items():
         print(f"{name}: smallest spacing {run.s.min():.2f} m, J = {run.J:.2f}")
     pair = [BEST_FIXED, PotentialParameters(alpha=1e-3, r=9.0, p=5.0)]
-    J, _ = rollout_costs(start, pair, ObjectiveWeights(), Sampling(), 20.0, plant=FirstOrderLag(0.3))
+    J, _ = rollout_costs(start, pair, plant=FirstOrderLag(0.3))
     print(f"with a lag of 0.3 s: J = {J[0]:.2f} with r = 11 m, {J[1]:.2f} with r = 9 m")
     return runs
 

@@ -8,7 +8,7 @@ from enum import Enum, IntEnum
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .callbacks import Warns, silent
 from .errors import ModelError
@@ -86,9 +86,9 @@ class ControllerSettings:
         return self
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Measurement:
-    """What the controller is told at a sampling instant.
+    """What the controller is told at a sampling instant; lists and tuples are taken, too.
 
     Attributes
     ----------
@@ -108,6 +108,24 @@ class Measurement:
     age: float = 0.0
     age_rounding: float = 0.0
     v_desired: float | None = None
+
+    def __init__(
+        self,
+        s: ArrayLike,
+        v: ArrayLike,
+        n_active: float,
+        resolve: float = 0.0,
+        age: float = 0.0,
+        age_rounding: float = 0.0,
+        v_desired: float | None = None,
+    ) -> None:
+        object.__setattr__(self, "s", np.asarray(s, dtype=np.float64))
+        object.__setattr__(self, "v", np.asarray(v, dtype=np.float64))
+        object.__setattr__(self, "n_active", n_active)
+        object.__setattr__(self, "resolve", resolve)
+        object.__setattr__(self, "age", age)
+        object.__setattr__(self, "age_rounding", age_rounding)
+        object.__setattr__(self, "v_desired", v_desired)
 
 
 @dataclass(frozen=True, eq=False)

@@ -84,6 +84,7 @@ SENTENCES = {
     "networks": "%s holds no networks, although this project brings some: install it anew, or put the folder back",
     "onnxruntime": "the Python %s cannot import onnxruntime (%s): run %s -m pip install onnxruntime, or use "
     "parameter_source 2, or the native FMU",
+    "numbers": "%s is not an array of numbers: give numbers, a list or tuple of numbers, or an array",
     "start": "the start %s is neither a PlatoonState nor a pair of numbers: give n - 1 spacings and n speeds, as in "
     "([9, 10], [30, 30, 30])",
     "potential": "%s is neither a potential nor a selector: give one, or one of the words %s",
@@ -198,7 +199,7 @@ class PspError(Exception):
     key: str | None = None
     values: tuple[Value, ...] = ()
 
-    def __init__(self, problem: str, remedy: str | None = None):
+    def __init__(self, problem: str, remedy: str | None = None) -> None:
         # `args` are the arguments of the constructor: that is all that pickle and copy ask of an exception
         super().__init__(*((problem,) if remedy is None else (problem, remedy)))
         self.problem, self.remedy = parts_of(problem) if remedy is None else (problem, remedy)
@@ -223,7 +224,7 @@ class TableError(PspError):
     sentences: ClassVar[Mapping[str, str]] = {}
     key: str
 
-    def __init__(self, key: str, *values: object):
+    def __init__(self, key: str, *values: object) -> None:
         sentence = self.sentences[key]
         plain = _plain(sentence, values)
         super().__init__(*_filled(sentence, plain))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple, cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .callbacks import Warns, silent
 from .errors import ModelError
@@ -28,7 +29,7 @@ from .sampling.loop import (
     with_potential,
 )
 from .sampling.policy import Lemma1Policy, Sampling
-from .state import PlatoonState
+from .state import PlatoonState, read_only
 from .validate import validate
 
 
@@ -160,7 +161,7 @@ class SampledPlatoon(Warns):
             self.warn(str(refusal(self.loop, now, verdict)))
 
     def take_over(
-        self, period: int, fraction: float, x: float, s: Vector, v: Vector, shape: Potential
+        self, period: int, fraction: float, x: float, s: ArrayLike, v: ArrayLike, shape: Potential
     ) -> SampledPlatoon:
         """The platoon sampled once more, between or at the clock's instants, with other vehicles and potential (ours).
 
@@ -179,7 +180,7 @@ class SampledPlatoon(Warns):
         ModelError : as `advance_to` does
         """
         loop = with_potential(self.loop, shape)
-        now, verdict = resample(loop, self.now, (period, fraction), (x, s, v))
+        now, verdict = resample(loop, self.now, (period, fraction), (x, read_only(s), read_only(v)))
         changed = SampledPlatoon(loop, self.sampling, now, self.warn)
         changed._act(self.now, now, verdict)
         return changed

@@ -1,7 +1,6 @@
 """The quantities of the model: how each is written, in which unit, and what it is.
 
-Units stand here once; the tables of FMI variables, the checks and everything that prints a quantity use
-it.
+Units stand here once; the tables of FMI variables, the checks and all that prints a quantity use it.
 """
 
 from __future__ import annotations

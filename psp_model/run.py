@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .figures import Figure, figures_table, largest, smallest, warned
 from .law.potential import Potential
-from .show import picture
+from .show import figure, picture
 from .state import shortened
 
 
@@ -63,10 +63,14 @@ class Run:
 
     def __repr__(self) -> str:
         """A short table."""
+        return "\n".join([figures_table(self._title(), self.figures()), *warned(self.warnings)])
+
+    def _title(self) -> str:
         with_it = "" if self.potential is None else f", {shortened(str(self.potential))}"
-        title = f"Run of {self.v.shape[1]} vehicles over {self.time[-1]:g} s{with_it}"
-        return "\n".join([figures_table(title, self.figures()), *warned(self.warnings)])
+        n = self.v.shape[1]
+        return f"Run of {n} vehicle{'s' * (n > 1)} over {self.time[-1]:g} s{with_it}"
 
     def _repr_html_(self) -> str:
         """The picture that notebooks show: spacings, accelerations and speeds over time."""
-        return picture(self.time, {"spacing [m]": self.s, "acceleration [m/s²]": self.a, "speed [m/s]": self.v})
+        panels = {"spacing [m]": self.s, "acceleration [m/s²]": self.a, "speed [m/s]": self.v}
+        return figure(picture(self.time, panels), [self._title(), *warned(self.warnings)])

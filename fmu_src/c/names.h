@@ -98,6 +98,7 @@
 #define locate PSP_NAME(locate)
 #define printable PSP_NAME(printable)
 #define finite_or_log PSP_NAME(finite_or_log)
+#define finite_triple PSP_NAME(finite_triple)
 #define read_choice PSP_NAME(read_choice)
 #define read_period PSP_NAME(read_period)
 #define read_constants PSP_NAME(read_constants)

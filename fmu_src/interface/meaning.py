@@ -1,7 +1,7 @@
 """What the values of the variables mean to the model: the one place where FMI names and the model's structs meet.
 
 Slaves, command line and the files for other tools all come here; the C of the native FMU reads the same names
-(PSP_CONSTANTS and its like in the generated header).
+(PSP_CONSTANTS_FIELDS and its like in psp_model.h, from `variable_names`).
 """
 
 from __future__ import annotations

@@ -12,15 +12,20 @@ import numpy as np
 
 import onnx
 from psp_model import errors
-from psp_model.parameters import ALPHA_MAX, ALPHA_MIN, P_MAX, P_MIN
+from psp_model.parameters import ALPHA_MAX, ALPHA_MIN, P_MAX, P_MIN, ObjectiveWeights, PlatoonParameters
+from psp_model.quantities import quantity_of
 from psp_model.selection.network import DICTIONARY, PARAMETERS, SCORES
 
 from ..errors import SENTENCES, BuildError
+from ..interface.meaning import variable_names
 from ..interface.variables import Variable
 from ..networks import NetworkFile
 from .onnx_graph import Chain, Layer, candidates, chain_to, require_same
 
 _LONGEST_LINE = 120
+# Structs of C, by the model's: the generated lists X(field, variable, unit) name their fields.
+_STRUCTS: dict[str, type[Any]] = {"CONSTANTS": PlatoonParameters, "WEIGHTS": ObjectiveWeights}
+_TRIPLE = ("alpha", "r", "p")  # of a potential; whether there is a hill is no variable
 
 
 def _text(value: str) -> str:
@@ -32,10 +37,16 @@ def _group(name: str) -> str:
     return name.split("[")[0]
 
 
+def _fields(name: str, variables: Mapping[str, str]) -> list[str]:
+    """A list of fields as a macro that takes another one: X(field, variable, unit) for each."""
+    rows = [f"    X({field}, {of}, {_text(quantity_of(of).unit)})" for field, of in variables.items()]
+    return ["", f"#define PSP_{name}_FIELDS(X) \\", *(f"{row} \\" for row in rows[:-1]), rows[-1]]
+
+
 def model_header(
     table: Sequence[Variable], vehicles: int, guid: str, networks: Mapping[int, NetworkFile], component: str
 ) -> str:
-    """psp_model.h: number of vehicles, value references, sentences and limits.
+    """psp_model.h: number of vehicles, value references, fields of the model's structs, sentences and limits.
 
     Parameters
     ----------
@@ -66,6 +77,9 @@ def model_header(
         defines[group] = next(iter(members))[0]
     lines = ["#ifndef PSP_MODEL_H", "#define PSP_MODEL_H", ""]
     lines += [f"#define PSP_{name} {value}" for name, value in defines.items()]
+    for struct, kind in _STRUCTS.items():
+        lines += _fields(struct, variable_names(kind))
+    lines += _fields("TRIPLE", dict(zip(_TRIPLE, _TRIPLE, strict=True)))
     sentences = errors.SENTENCES | SENTENCES
     lines += ["", *(f"#define PSP_SENTENCE_{key} {_text(sentence)}" for key, sentence in sentences.items())]
     return "/* Written by fmu_src/native/tables.py. */\n" + "\n".join([*lines, "", "#endif", ""])

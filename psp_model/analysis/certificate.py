@@ -20,7 +20,7 @@ from ..state import PlatoonState
 KINDS = ("gap to the vehicle ahead", "speed limit", "standstill")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Certificate:
     """What Lemma 1 says along a run, K times.
 
@@ -48,6 +48,12 @@ class Certificate:
     def tightest(self) -> int:
         """Index of the smallest bound."""
         return int(np.argmin(self.T_max))
+
+    def __repr__(self) -> str:
+        count, at = int((~self.certified).sum()), self.tightest
+        verdict = f"not certified at {count} of" if count else "certified at all"
+        tightest = f"smallest T_max {self.T_max[at]:.4g} s at t = {self.time[at]:.4g} s ({self.who(at)})"
+        return f"T = {self.T:g} s, {verdict} {self.time.size} times; {tightest}"
 
     def refused(self) -> list[tuple[float, float]]:
         """First and last time of every stretch of output times at which T is not certified [s]."""

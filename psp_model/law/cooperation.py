@@ -65,7 +65,7 @@ class Traffic:
     closing: Array | None = None
 
 
-ALL_AUTOMATED = Traffic()
+PAPERS_LAW, ALL_AUTOMATED = Cooperation(), Traffic()
 
 
 def smooth_step(x: Array) -> Array:

@@ -45,7 +45,7 @@ class Plant(Protocol[Vehicles]):
         s, v : (n-1, ...) spacings [m] and (n, ...) speeds [m/s]
         """
 
-    def advance(self, vehicles: Vehicles, a: Array, tau: Number) -> tuple[Vehicles, Array]:
+    def advance(self, vehicles: Vehicles, a: Array, tau: float) -> tuple[Vehicles, Array]:
         """The state a time tau later.
 
         Parameters
@@ -88,7 +88,7 @@ class DoubleIntegrators:
         """See `Plant.begin`."""
         return Motion(x, s, v)
 
-    def advance(self, vehicles: Motion, a: Array, tau: Number) -> tuple[Motion, Array]:
+    def advance(self, vehicles: Motion, a: Array, tau: float) -> tuple[Motion, Array]:
         """See `Plant.advance`."""
         moved = travelled(vehicles.v, a, tau)
         return Motion(vehicles.x + moved[0], gaps_after(vehicles.s, moved), vehicles.v + tau * a), a

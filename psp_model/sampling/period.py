@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Generic, NamedTuple
 
 from ..law.controller import Controller, Memory
-from ..namespaces import Array, Number
+from ..namespaces import Array
 from ..objective import running_cost
 from ..parameters import ObjectiveWeights
 from .hold import Moving, Plant, Vehicles
@@ -45,7 +45,7 @@ def decide(controller: Controller[Memory], memory: Memory | None, vehicles: Movi
 
 
 def hold(
-    plant: Plant[Vehicles], vehicles: Vehicles, a: Array, tau: Number, weights: ObjectiveWeights
+    plant: Plant[Vehicles], vehicles: Vehicles, a: Array, tau: float, weights: ObjectiveWeights
 ) -> tuple[Vehicles, tuple[Array, Array]]:
     """The plant a time tau after a sampling instant, and what that adds to the two terms of J (ours).
 

@@ -88,7 +88,7 @@ class ParameterNetwork:
     ModelError : from everything but the constructor, where the file is missing, unreadable or of another shape
     """
 
-    def __init__(self, path: Path | str):
+    def __init__(self, path: Path | str) -> None:
         self.path = Path(path)
         self._content: bytes | None = None  # of the file, once it was found in order
 

@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from ..law.controller import Controller, MakeController, Memory, PaperLaw
 from ..law.potential import Potential, PotentialParameters, stacked
+from ..objective import HORIZON
 from ..parameters import ObjectiveWeights
 from ..sampling.clock import locate
 from ..sampling.hold import IDEAL, Moving, Plant, Vehicles
 from ..sampling.period import decide, hold
 from ..sampling.policy import Sampling
-from ..state import PlatoonState
+from ..state import PlatoonState, Start, as_state
 from .feasible import project
 
 Batch = NDArray[np.float64]
@@ -31,11 +32,11 @@ infinite where Lemma 1 does not certify T throughout."""
 
 
 def rollout_costs(
-    start: PlatoonState,
+    start: Start,
     candidates: Sequence[Potential],
-    weights: ObjectiveWeights,
-    sampling: Sampling,
-    horizon: float,
+    weights: ObjectiveWeights | None = None,
+    sampling: Sampling | None = None,
+    horizon: float = HORIZON,
     *,
     controller: MakeController[Memory] | None = None,
     plant: Plant[Vehicles] | None = None,
@@ -44,10 +45,10 @@ def rollout_costs(
 
     Parameters
     ----------
-    start : initial state
+    start : initial state, or a pair of (n-1,) spacings [m] and (n,) speeds [m/s]
     candidates : K potentials of one family
-    weights : of the objective
-    sampling : T counts, the policy does not
+    weights : of the objective; the paper's by default
+    sampling : T counts, the policy does not; T = 0.01 s by default
     horizon : how far ahead to look [s], at least one sampling period is
     controller : makes the controller from potential and constants; the paper's law by default
     plant : what is driven; double integrators by default
@@ -56,7 +57,8 @@ def rollout_costs(
     -------
     J, certified : (K,) arrays
     """
-    count, T = len(candidates), sampling.T
+    start, weights, T = as_state(start), weights or ObjectiveWeights(), (sampling or Sampling()).T
+    count = len(candidates)
     potential = stacked(candidates)
     law: object = PaperLaw(potential, start.constants) if controller is None else controller(potential, start.constants)
     driven = cast(Plant[Moving], IDEAL if plant is None else plant)
@@ -102,8 +104,8 @@ def best_by_rollout(
     ----------
     start : initial state
     candidates : triples, the network's answer first; they are projected into the feasible set here
-    weights : of the objective
-    sampling : T counts, the policy does not
+    weights : of the objective; the paper's by default
+    sampling : T counts, the policy does not; T = 0.01 s by default
     horizon : how far ahead to look [s]
     rounds : of refinement, as for `refined`
 

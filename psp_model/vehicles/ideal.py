@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..namespaces import Number
 from ..sampling.hold import DoubleIntegrators, Motion, gaps_after, travelled
 from ..sampling.loop import Vector
 from ..state import PlatoonState, seal
@@ -19,7 +19,7 @@ class StoppingIntegrators(DoubleIntegrators):
     In certified periods nobody does, and these are the paper's vehicles.
     """
 
-    def advance(self, vehicles: Motion, a: Vector, tau: Number) -> tuple[Motion, Vector]:
+    def advance(self, vehicles: Motion, a: Vector, tau: float) -> tuple[Motion, Vector]:
         """See `Plant.advance`."""
         v = vehicles.v + tau * a
         stops = v < 0
@@ -62,7 +62,7 @@ class IdealPlant:
         """
         return cls(Motion(start.x_leader, start.s, start.v), T)
 
-    def advanced_to(self, period: int, a: Vector) -> IdealPlant:
+    def advanced_to(self, period: int, a: ArrayLike) -> IdealPlant:
         """The plant at the beginning of a period, the accelerations held until then; this one where that is past.
 
         Parameters
@@ -70,8 +70,8 @@ class IdealPlant:
         period : its number
         a : (n,) accelerations [m/s2]
         """
-        now = self.now
+        now, held = self.now, np.asarray(a, dtype=np.float64)
         for _ in range(self.period, period):
-            now = STOPPING.advance(now, a, self.T)[0]
+            now = STOPPING.advance(now, held, self.T)[0]
         seal(now.s, now.v)
         return IdealPlant(now, self.T, max(self.period, period))

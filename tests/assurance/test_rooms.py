@@ -7,6 +7,7 @@ import re
 import sys
 import tomllib
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -81,6 +82,7 @@ def test_every_room_uses_the_packages_that_it_is_said_to_know() -> None:
     assert not {path: packages for path, packages in idle.items() if packages}
 
 
+@cache
 def options() -> set[str]:
     """Every option of `psp` and of the build script."""
     from typer.main import get_command

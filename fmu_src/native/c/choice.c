@@ -1,4 +1,5 @@
-/* The potential for a start: mirrors psp_model/selection/selectors.py and rollout.py. */
+/* The potential for a start: mirrors psp_model/selection/selectors.py and
+ * psp_model/selection/rollout.py. */
 #include "vehicles.h"
 
 #include <math.h>
@@ -133,6 +134,5 @@ bool choose_shape(Front *front, const Constants *constants, const Weights *weigh
     *in_domain = true;
     if (request->source == SOURCE_ROLLOUT) return choose_by_rollout(front, constants, weights, T, request, shape);
     network_candidates(request->n, request->s, request->v, 1, shape);
-    return finite_or_log(front, "alpha", shape->alpha, "1") && finite_or_log(front, "r", shape->r, "m") &&
-           finite_or_log(front, "p", shape->p, "1") && project(front, shape, constants);
+    return finite_triple(front, shape) && project(front, shape, constants);
 }

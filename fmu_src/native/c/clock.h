@@ -1,4 +1,5 @@
-/* How far the sampling has come, from the communication steps of any master: mirrors psp_model/sampling/clock.py, which says why. */
+/* How far the sampling has come, from the communication steps of any master: mirrors
+ * psp_model/sampling/clock.py, which says why. */
 #ifndef PSP_CLOCK_H
 #define PSP_CLOCK_H
 

@@ -1,5 +1,5 @@
-/* Whether the controller can be as bytes say: mirrors fmu_src/python/controller_slave.py.  What follows from the parameters is
- * computed anew, the rest is checked. */
+/* Whether the controller can be as bytes say: mirrors fmu_src/python/controller_slave.py.  What follows from
+ * the parameters is computed anew, the rest is checked. */
 #include <math.h>
 #include <string.h>
 

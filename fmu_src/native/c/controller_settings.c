@@ -1,4 +1,5 @@
-/* What the controller is told once: the checks of psp_model/controller.py and of the slave of the Python FMU. */
+/* What the controller is told once: mirrors fmu_src/python/controller_slave.py and the checks of
+ * psp_model/controller.py. */
 #include "controller.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* Feedback, Lemma 1 and motion of n vehicles: mirrors law/feedback.py, sampling/lemma1.py and
- * sampling/hold.py of psp_model.
+/* Feedback, Lemma 1 and motion of n vehicles: mirrors psp_model/law/feedback.py,
+ * psp_model/sampling/lemma1.py and psp_model/sampling/period.py.
  *
  * The loops are inlined twice: for PSP_N vehicles, a number that the compiler knows, and for any number. */
 #include "vehicles.h"

@@ -1,4 +1,4 @@
-/* Making, initialising and resetting instances of any native FMU. */
+/* Making, initialising and resetting instances of any native FMU; mirrors fmu_src/python/table_slave.py. */
 #include <stdlib.h>
 #include <string.h>
 

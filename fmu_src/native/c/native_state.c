@@ -1,4 +1,4 @@
-/* Saved states of any native FMU. */
+/* Saved states of any native FMU; mirrors fmu_src/python/table_slave.py and fmu_src/python/state_check.py. */
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>

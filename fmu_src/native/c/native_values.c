@@ -1,4 +1,4 @@
-/* The variables of any native FMU by value reference. */
+/* The variables of any native FMU by value reference; mirrors fmu_src/python/table_slave.py. */
 #include <string.h>
 
 #include "native_model.h"

@@ -1,4 +1,5 @@
-/* The networks: layers over the tables in psp_network.h, which come from the ONNX files. */
+/* The networks: layers over the tables in psp_network.h, which come from the ONNX files; mirrors
+ * psp_model/selection/network.py. */
 #include "vehicles.h"
 
 #include <stddef.h>
@@ -115,8 +116,8 @@ const char *outside_domain(int n, const double *s, const double *v, const Consta
     const PspNetwork *network = find(n);
     if (!network) return "no network";
     const Constants *trained = &network->trained;
-    if (c->L != trained->L || c->lam != trained->lam || c->v_star != trained->v_star || c->v_max != trained->v_max ||
-        c->epsilon != trained->epsilon || c->mu != trained->mu || c->z != trained->z)
+#define OR_DIFFERS(field, variable, unit) || c->field != trained->field
+    if (false PSP_CONSTANTS_FIELDS(OR_DIFFERS))
         return "other constants than the network was trained with";
     bool inside = true;
     for (int i = 0; i < n; i++) inside = inside && v[i] >= network->speed_min && v[i] <= network->speed_max;

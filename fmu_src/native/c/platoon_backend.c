@@ -1,4 +1,5 @@
-/* The backend of the closed loop: initialisation, steps and outputs over the platoon in C. */
+/* The backend of the closed loop: initialisation, steps and outputs over the platoon in C; mirrors
+ * fmu_src/python/platoon_slave.py. */
 #include <math.h>
 #include <string.h>
 

@@ -1,4 +1,4 @@
-/* The sampling clock: mirrors psp_model/platoon.py and sampling/loop.py. */
+/* The sampling clock: mirrors psp_model/platoon.py and psp_model/sampling/loop.py. */
 #include "platoon.h"
 
 #define SHORTEST 0x1p-60 /* [sampling periods] no period is cut further than this */

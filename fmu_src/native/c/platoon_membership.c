@@ -1,4 +1,5 @@
-/* Vehicles that join and leave, and what is said of it: mirrors psp_model/membership.py and the slave around it. */
+/* Vehicles that join and leave, and what is said of it: mirrors psp_model/membership.py and
+ * fmu_src/python/platoon_slave.py. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-/* What a platoon starts with: the checks of psp_model/validate.py. */
+/* What a platoon starts with: mirrors fmu_src/python/platoon_slave.py and the checks of psp_model/validate.py. */
 #include "platoon.h"
 
 #include <math.h>

@@ -9,16 +9,20 @@
 #include "front.h"
 #include "psp_model.h" /* generated: PSP_N, the table of variables, sentences, limits */
 
+#define PSP_FIELD(field, variable, unit) double field;
+
+/* The fields of psp_model's structs; PSP_..._FIELDS come from fmu_src/interface/meaning.py. */
 typedef struct {
-    double L, lam, v_star, v_max, epsilon, mu, z;
+    PSP_CONSTANTS_FIELDS(PSP_FIELD)
 } Constants;
 
 typedef struct {
-    double w1, w2, a_ref, s_ref;
+    PSP_WEIGHTS_FIELDS(PSP_FIELD)
 } Weights;
 
 typedef struct {
-    double alpha, r, p, hill;
+    PSP_TRIPLE_FIELDS(PSP_FIELD)
+    double hill;
 } Shape;
 
 /* What the loop knows at a sampling instant; the time is (period + fraction) T. */
@@ -72,6 +76,7 @@ double locate(double time, double T, double *fraction);
  * the choice of the potential from the values of the variables, checked. */
 double printable(double value);
 bool finite_or_log(Front *front, const char *name, double value, const char *unit);
+bool finite_triple(Front *front, const Shape *shape);
 bool read_choice(Front *front, const char *name, double value, int low, int high, int *chosen); /* high < low: none */
 bool read_period(Front *front, const double *values, double *T);
 bool read_constants(Front *front, const double *values, Constants *constants);

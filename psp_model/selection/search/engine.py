@@ -113,9 +113,9 @@ def _source(problem: Problem, form: _Form) -> str:
     constants = ", ".join(f"{name} = {size}" for name, size in sizes.items())
     head = ["#include <stddef.h>", "#include <stdint.h>", f"typedef {form.real} REAL;", f"enum {{ {constants} }};"]
     head.append((_HERE / "vector_math.h").read_text() if single else "#include <math.h>")
-    step = _step(problem, form)
-    step = step.replace("static int casadi_f0", "static inline __attribute__((always_inline)) int casadi_f0", 1)
-    return "\n".join([*head, step, (_HERE / "rollouts.c").read_text()])
+    # CasADi defines it as `static int`: what was declared before holds on, and the lanes need it inlined
+    head.append("static inline __attribute__((always_inline)) int step_f0(const REAL **, REAL **, int *, REAL *, int);")
+    return "\n".join([*head, _step(problem, form), (_HERE / "rollouts.c").read_text()])
 
 
 def _cache() -> Path:
