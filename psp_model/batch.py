@@ -1,4 +1,4 @@
-"""Thousands of runs at once, as what they came to (ours)."""
+"""Many runs at once, reduced to their results (ours)."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _COMPILED_FROM = 200  # runs; with fewer NumPy has finished before a compiled en
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Runs:
-    """What B runs of n vehicles came to.
+    """The results of B runs of n vehicles.
 
     Attributes
     ----------

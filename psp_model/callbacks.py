@@ -1,4 +1,4 @@
-"""Callbacks that hear warnings, and what becomes of them where the object that calls them is copied or pickled."""
+"""Callbacks for warnings, and how they are copied and pickled with the object that calls them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Self = TypeVar("Self", bound="Warns")
 
 
 def silent(sentence: str) -> None:
-    """Hear a warning and do nothing.
+    """Ignore a warning.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The feedback as a controller of vehicles that are somebody else's: measured gaps and speeds in, accelerations out."""
+"""The feedback law as a controller of measured vehicles: spacings and speeds in, accelerations out."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class BadMeasurement(IntEnum):
 
 @dataclass(frozen=True)
 class ControllerSettings:
-    """What the controller is told once.
+    """The settings of a controller.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class ControllerSettings:
     request : where alpha, r, p come from; its fixed triple also serves where there is no network for n vehicles
     a_min, a_max : bounds of the command [m/s2] (ours)
     bad_input : what bad measurements lead to
-    a_safe : command of the safe action, until standstill [m/s2] (ours)
+    a_safe : fail-safe command, until standstill [m/s2] (ours)
     max_age : inputs older than this are stale [s] (ours)
     """
 
@@ -88,14 +88,14 @@ class ControllerSettings:
 
 @dataclass(frozen=True, eq=False, init=False)
 class Measurement:
-    """What the controller is told at a sampling instant; lists and tuples are taken, too.
+    """The inputs at a sampling instant; lists and tuples are accepted.
 
     Attributes
     ----------
-    s, v : (N-1,) gaps [m] and (N,) speeds [m/s], leader first; only the first n_active vehicles count
+    s, v : (N-1,) spacings [m] and (N,) speeds [m/s], leader first; only the first n_active vehicles count
     n_active : vehicles under control
-    resolve : alpha, r, p are chosen anew where this rises above 0.5
-    age : time since gaps and speeds were measured [s]
+    resolve : replan, that is select alpha, r, p again, where this rises above 0.5
+    age : time since spacings and speeds were measured [s]
     age_rounding : how far the age may be off because clocks are rounded [s]
     v_desired : desired speed instead of v_star, 0 to stand, None for v_star [m/s] (ours: the paper has one v_star for
         good)
@@ -136,12 +136,12 @@ class Command:
     ----------
     a : (N,) commanded accelerations [m/s2], 0 for vehicles that are not active
     saturated : (N,) whether a_min or a_max cut the feedback, so that Lemma 1's argument does not cover the vehicle
-    in_order : whether the inputs were; if not, this is the safe action
-    T_max : Lemma 1's bound for the command [s], 0 with the safe action
-    violations, faults : sampling instants so far with T >= T_max, and with inputs that were not in order
-    choices : how often alpha, r, p were chosen
-    n_active : vehicles under control at the last choice
-    in_domain : whether the last choice was a network's
+    in_order : whether the inputs were valid; if not, this is the fail-safe command
+    T_max : Lemma 1's bound for the command [s], 0 with the fail-safe command
+    violations, faults : sampling instants so far with T >= T_max, and with invalid inputs
+    choices : how often alpha, r, p were selected
+    n_active : vehicles under control at the last selection
+    in_domain : whether the last selection was a network's
     resolve : the input at the last sampling instant
     shape : the potential in use
     """
@@ -189,7 +189,7 @@ def no_command(settings: ControllerSettings) -> Command:
 
     Parameters
     ----------
-    settings : what the controller is told once
+    settings : of the controller
     """
     nobody, request = read_only(np.zeros(settings.capacity)), settings.request
     shape = V_OLD if request.old else request.fixed
@@ -203,8 +203,8 @@ def decide(
 
     Parameters
     ----------
-    settings : what the controller is told once
-    selector : who selects alpha, r, p
+    settings : of the controller
+    selector : selects alpha, r, p
     before : the last decision
     time : of the instant [s], for messages
     measured : the inputs
@@ -225,7 +225,7 @@ def _in_order(settings: ControllerSettings, measured: Measurement) -> Measuremen
 
     What lies outside by no more than ROUNDING is taken as the bound, a spacing as the next number above L: vehicles
     that stand have speeds and spacings such as -1e-18 m/s and L - 1e-12 m.  Under policy 1, which asks for spacings
-    above L + v_max T, a spacing of L or less is refused all the same.
+    above L + v_max T, a spacing of L or less is rejected under any policy.
     """
     n = measured.n_active
     L, v_max = settings.constants.L, settings.constants.v_max
@@ -280,7 +280,7 @@ def _regular(
 
 
 def _fail_safe(settings: ControllerSettings, before: Command, measured: Measurement) -> Command:
-    """The fail-safe command: everybody slows down by a_safe, but not below standstill where the speed is known."""
+    """The fail-safe command: every vehicle slows down by a_safe, but not below standstill where the speed is known."""
     known = np.where(np.isfinite(measured.v), np.maximum(measured.v, 0.0), np.inf)
     a = np.maximum(settings.a_safe, -known / settings.sampling.T)
     n = measured.n_active
@@ -303,8 +303,8 @@ class SampledController(Warns):
 
     Attributes
     ----------
-    settings : what it is told once
-    selector : who selects alpha, r, p
+    settings : of the controller
+    selector : selects alpha, r, p
     now : the command held, all zeros before the first sampling instant
     warn : called with one sentence for each thing to be warned of
     """
@@ -325,7 +325,7 @@ class SampledController(Warns):
 
         Parameters
         ----------
-        settings : what it is told once
+        settings : of the controller
         networks : by number of vehicles
         warn : as the attribute
 
@@ -370,7 +370,7 @@ class SampledController(Warns):
 
 
 def _violation(time: float, T: float, T_max: float, s: Vector, constants: PlatoonParameters) -> ModelError:
-    """Why T is not certified: the smallest gap, or else speeds and commands."""
+    """Why T is not certified: the smallest spacing, or else speeds and commands."""
     i = int(np.argmin(s)) if s.size else 0
     if s.size and (s[i] - constants.L) / constants.v_max <= T_max:
         enough = constants.L + constants.v_max * T
@@ -389,7 +389,7 @@ def _require_desired(desired: float, v_max: float) -> None:
 
 
 def _bad_gap(vehicle: int, gap: float, L: float) -> ModelError:
-    """What to say of a measured gap that is not in order."""
+    """What to say of a measured spacing that is not in order."""
     if not np.isfinite(gap):
         return ModelError("finite", f"s[{vehicle}]", gap, "m")
     if gap <= 0:

@@ -1,4 +1,4 @@
-"""Vehicles that join and leave while the platoon drives, why the paper computes parameters on line."""
+"""Vehicles that join and leave on the way, for which the paper computes parameters on line."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from .law.potential import Potential
 from .platoon import SampledPlatoon
 from .sampling.loop import Vector, Verdict, resample, with_potential
 
-_PROBES = 100  # gaps that are tried for one that would do
-_TRUSTED = 5  # of these, how many are checked with the potential chosen for them
+_PROBES = 100  # spacings that are tried for one that would be accepted
+_TRUSTED = 5  # of these, how many are checked with the potential selected for them
 
 
 @dataclass(frozen=True)
 class Refusal:
-    """Why a vehicle may not join or leave.
+    """Why a join or a leave is rejected.
 
     Attributes
     ----------
-    sentence : what is wrong and what would do
-    gap : a gap at which the vehicle may join at this speed and time, NaN if there is none [m]
+    sentence : problem and remedy
+    gap : a spacing at which the vehicle may join at this speed and time, NaN if there is none [m]
     """
 
     sentence: str
@@ -32,13 +32,13 @@ class Refusal:
 
 @dataclass(frozen=True)
 class OpenPlatoon:
-    """A platoon whose vehicles change; each change is a sampling instant with parameters chosen anew (ours).
+    """A platoon whose vehicles change; each change is a sampling instant and replans alpha, r, p (ours).
 
     Attributes
     ----------
     platoon : the vehicles there are, with their clock
     capacity : most vehicles N
-    choose : the potential for new initial gaps (n-1,) and speeds (n,), n >= 1
+    choose : the potential for new initial spacings (n-1,) and speeds (n,), n >= 1
     vehicles : number of each vehicle, leader first; the first ones are 1 to n, later ones count on
     joined : vehicles there have been so far
     """
@@ -53,7 +53,7 @@ class OpenPlatoon:
     def begin(
         cls, platoon: SampledPlatoon, capacity: int, choose: Callable[[Vector, Vector], Potential]
     ) -> OpenPlatoon:
-        """A platoon that nobody has joined or left yet.
+        """A platoon before the first change.
 
         Parameters
         ----------
@@ -76,7 +76,7 @@ class OpenPlatoon:
 
         Returns
         -------
-        the platoon with it and None, or this platoon and why it may not
+        the platoon with it and None, or this platoon and why it is rejected
         """
         n, constants = len(self.vehicles), self.platoon.constants
         try:
@@ -108,7 +108,7 @@ class OpenPlatoon:
 
         Returns
         -------
-        the platoon without it and None, or this platoon and why it may not
+        the platoon without it and None, or this platoon and why it is rejected
         """
         try:
             gone = self._place("remove_place", place, 1) - 1
@@ -135,7 +135,7 @@ class OpenPlatoon:
     def _with(
         self, place: int, gap: float, speed: float, period: int, fraction: float
     ) -> tuple[float, Vector, Vector] | None:
-        """Leader's position, gaps and speeds with one more vehicle; None where a gap would not exceed L."""
+        """Leader's position, spacings and speeds with one more vehicle; None where a spacing would not exceed L."""
         seen, L = self.platoon.observe(period, fraction), self.platoon.constants.L
         v = np.insert(seen.v, place, speed)
         x = float(seen.x[0]) + (gap if place == 0 else 0.0)
@@ -157,7 +157,7 @@ class OpenPlatoon:
         return replace(self.platoon, loop=loop, now=now) if verdict is Verdict.CERTIFIED else None
 
     def _what_would_do(self, place: int, gap: float, speed: float, period: int, fraction: float) -> Refusal:
-        """The refusal of a joining vehicle, with the nearest gap found at which it may join."""
+        """The rejection of a join, with the nearest spacing found at which it may join."""
         constants, T = self.platoon.constants, self.platoon.loop.T
         seen = self.platoon.observe(period, fraction)
         inside = 0 < place < len(self.vehicles)
@@ -177,5 +177,5 @@ class OpenPlatoon:
 
 
 def _merged(s: Vector, gone: int) -> Vector:
-    """Gaps after the vehicle at index `gone`, neither first nor last, has left."""
+    """Spacings after the vehicle at index `gone`, neither first nor last, has left."""
     return np.concatenate([s[: gone - 1], [s[gone - 1] + s[gone]], s[gone + 1 :]])

@@ -12,11 +12,11 @@ def running_cost(s: Array, v: Array, a: Array, tau: Number, weights: ObjectiveWe
     """What a time tau after a sampling instant adds to the two terms of J, exactly (paper, eq. of the objective).
 
     w1 tau sum a^2 / a_ref^2 and w2 sum (tau s + tau^2/2 Dv + tau^3/6 Da) / s_ref: the accelerations are held and the
-    gaps are parabolas, so both integrals are closed forms; sum Dv = v_1 - v_n and sum Da = a_1 - a_n.
+    spacings are parabolas, so both integrals are closed forms; sum Dv = v_1 - v_n and sum Da = a_1 - a_n.
 
     Parameters
     ----------
-    s : (n-1, ...) array, gaps at the sampling instant [m]
+    s : (n-1, ...) array, spacings at the sampling instant [m]
     v : (n, ...) array, speeds at the sampling instant [m/s]
     a : (n, ...) array, accelerations held since [m/s2]
     tau : time since the sampling instant [s]
@@ -50,7 +50,7 @@ def gap_cost(gaps: Array, dv: Array, da: Array, tau: Number, weights: ObjectiveW
 
     Parameters
     ----------
-    gaps : (...) array, sum of the gaps at the sampling instant [m]
+    gaps : (...) array, sum of the spacings at the sampling instant [m]
     dv, da : (...) arrays, v_1 - v_n [m/s] and a_1 - a_n [m/s2] at the sampling instant
     tau : time since the sampling instant [s]
     weights : w2 and s_ref, numbers or symbols

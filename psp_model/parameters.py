@@ -63,7 +63,7 @@ class ObjectiveWeights:
 
 @dataclass(frozen=True)
 class Actuation:
-    """How commands become accelerations (ours: the paper's vehicles do at once what they are told).
+    """How commands become accelerations (ours: the paper's vehicles follow commands at once).
 
     Each field but the first is a number, an array that broadcasts with the vehicles, or a symbol.
 

@@ -1,4 +1,4 @@
-"""The closed loop under one of the policies of Lemma 1, for whoever wants to look at it at any time."""
+"""The closed loop under one of the policies of Lemma 1, observable at any time."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def loop_of(
 
 @dataclass(eq=False)
 class SampledPlatoon(Warns):
-    """n vehicles under sampled-data feedback; what happens at the sampling instants is independent of who looks when.
+    """n vehicles under sampled-data feedback; the sampling instants are independent of the communication step.
 
     A shell around the pure loop: it keeps the last instant, and acts on verdicts as the policy says.  `begin` makes one
     from an initial state; made from an instant of an earlier run, its future is that run's, bit for bit.
@@ -85,7 +85,7 @@ class SampledPlatoon(Warns):
     now : the last sampling instant
     warn : called with the sentence when policy 2 meets the first uncertified instant of a stretch; a pickle keeps it
         where pickle can
-    partway : where `advance_to` was refused behind another instant that it had passed, the last one that was in order
+    partway : where `advance_to` raised after it had passed an instant, the last instant that was certified
     """
 
     loop: Loop
@@ -173,7 +173,7 @@ class SampledPlatoon(Warns):
 
         Returns
         -------
-        another platoon; this one is as it was
+        another platoon; this one is unchanged
 
         Raises
         ------

@@ -1,6 +1,6 @@
-"""The model's functions for numbers as people write them: lists, tuples and arrays in, NumPy arrays out.
+"""The public functions of the model: lists, tuples and arrays in, NumPy arrays out.
 
-Each is the generic function of the same name, which NumPy, JAX and CasADi run; their arrays are passed on as they are.
+Each calls the generic function of the same name, to which arrays of JAX and symbols of CasADi are passed unchanged.
 """
 
 from __future__ import annotations
@@ -210,7 +210,7 @@ def uncertain_period(
 
 
 def brake_margin(clearance: ArrayLike, vehicles: Braking, automated: ArrayLike | None = None) -> Array:
-    """The largest b so that all vehicles not automated may brake with b to standstill and those behind touch nobody.
+    """The largest b so that all vehicles not automated may brake with b to standstill and those behind do not collide.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a run of the platoon puts out, and how it shows itself."""
+"""The output of a run, and how it is displayed."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from .state import shortened
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Run:
-    """What a run put out, K times along the first axis.
+    """The output of a run, K times along the first axis.
 
     Attributes
     ----------
     time : (K,) [s]
     x, v, a : (K, n) positions [m], speeds [m/s], accelerations [m/s2]
-    s : (K, n-1) gaps [m]
+    s : (K, n-1) spacings [m]
     T_max : (K,) Lemma 1's bound at the last sampling instant [s]
-    cost : (K, 2) running terms of J, of acceleration and of gaps
+    cost : (K, 2) running terms of J, of acceleration and of spacings
     violations : sampling instants at which T was not certified
     potential : in use, None where the run does not say
     warnings : sentences, in the order in which they came: why another potential is in use than asked for, and where

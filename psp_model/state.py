@@ -12,7 +12,7 @@ from .parameters import PlatoonParameters
 
 
 def read_only(values: ArrayLike) -> NDArray[np.float64]:
-    """A copy of numbers as a float64 array that nobody can write to (ours).
+    """A read-only float64 copy of numbers (ours).
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def seal(*arrays: object) -> None:
 class PlatoonState:
     """Spacings and speeds of n >= 1 vehicles (paper, section II), and where the leader is.
 
-    Lists and tuples are taken, too.  `validate` checks that the state lies in the state space Omega.
+    Lists and tuples are accepted.  `validate` checks that the state lies in the state space Omega.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ class PlatoonState:
 
 
 Start = PlatoonState | tuple[ArrayLike, ArrayLike] | list[ArrayLike]
-"""A start as people write it: a state, or a pair of (n-1,) spacings [m] and (n,) speeds [m/s]."""
+"""A start: a state, or a pair of (n-1,) spacings [m] and (n,) speeds [m/s]."""
 
 
 def as_state(start: Start) -> PlatoonState:
@@ -117,7 +117,7 @@ class StartDomain:
 
     Attributes
     ----------
-    gap_min, gap_max : bounds of every gap [m]
+    gap_min, gap_max : bounds of every spacing [m]
     speed_min, speed_max : bounds of every speed [m/s]
     standstill : standstill distance, the paper's s-bar [m] (ours: L)
     headway : smallest headway of a rear vehicle, the paper's rho [s] (ours)
@@ -135,7 +135,7 @@ class StartDomain:
 
         Parameters
         ----------
-        s : (n-1, ...) array, gaps [m]
+        s : (n-1, ...) array, spacings [m]
         v : (n, ...) array, speeds [m/s]
 
         Returns
@@ -152,7 +152,7 @@ class StartDomain:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Independent starts, uniform over the domain.
 
-        Every vehicle's gap and speed are drawn together and drawn again until they keep the headway, which is
+        Every vehicle's spacing and speed are drawn together and drawn again until they keep the headway, which is
         the same as rejecting whole starts because the condition couples no two vehicles.
 
         Parameters

@@ -1,7 +1,7 @@
-"""The checks at the doors: every value outside the model's domain is refused in one sentence (ours).
+"""The checks of values from outside: a value outside the model's domain raises an error of one sentence (ours).
 
-The model's structs hold numbers, arrays or symbols and check nothing; whoever takes numbers from outside calls
-`validate` on what he made of them.
+The model's structs hold numbers, arrays or symbols and check nothing; code that takes numbers from outside
+calls `validate` on the structs it makes of them.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def validate(struct: Struct) -> Struct:
 
 @singledispatch
 def _check(struct: object) -> None:
-    """Whatever is not known here, a potential of one's own for example, checks itself."""
+    """Other types, user-defined potentials for example, are not checked."""
 
 
 def _require(holds: bool | np.bool_, key: str, *values: object) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 
 MOST_BYTES = 1 << 32  # that an NPZ file may hold
 UNFINISHED: set[Path] = set()
-"""Files that are being written now: whoever ends this process without unwinding it removes them."""
+"""Files that are being written now: code that ends the process without unwinding removes them."""
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""Lemma 1 along a whole run: who limits T, when and by how much, and which T holds throughout."""
+"""Lemma 1 along a whole run: which vehicle limits T, when, by how much, and which T is certified throughout."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ..sampling.lemma1 import period_bounds
 from ..sampling.policy import Lemma1Policy, Sampling
 from ..state import PlatoonState
 
-KINDS = ("gap to the vehicle ahead", "speed limit", "standstill")
+KINDS = ("spacing to the vehicle ahead", "speed limit", "standstill")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -61,7 +61,7 @@ class Certificate:
         return [(float(self.time[a]), float(self.time[b - 1])) for a, b in marks.reshape(-1, 2)]
 
     def who(self, index: int) -> str:
-        """Who limits T at one time, in words.
+        """Which vehicle limits T at one time, in words.
 
         Parameters
         ----------
@@ -73,8 +73,8 @@ class Certificate:
 def certify(run: Run, constants: PlatoonParameters, T: float) -> Certificate:
     """Lemma 1 at every output time of a run.
 
-    The bound is exact where the run was put out at its sampling instants; between them `a` belongs to the last
-    instant and the state does not, so put runs out with step T (as `psp_model.simulate` does by default).
+    The bound is exact where the output times are the sampling instants; between them `a` belongs to the last
+    instant and the state does not, so use the output step T (as `psp_model.simulate` does by default).
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ def networks_folder() -> Path:
 
     Raises
     ------
-    ModelError : where it is missing, so that nobody takes a damaged installation for a platoon without a network
+    ModelError : where it is missing, so that a damaged installation is not taken for a platoon without a network
     """
     folder = project_file("onnx")
     if not any(folder.glob("*.onnx")):

@@ -1,4 +1,4 @@
-"""Who decides the accelerations: the protocol, and the paper's law as one that remembers nothing."""
+"""The protocol of controllers, and the paper's law, which has no memory."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Memory = TypeVar("Memory")
 
 
 class Controller(Protocol[Memory]):
-    """What a loop asks for commands, once in every sampling period (ours).
+    """Decides the accelerations, once in every sampling period (ours).
 
     A frozen dataclass whose fields are, among others, `potential` and `constants`, so that another potential can take
     the place of the one in use.  `decide` is pure; what the controller remembers is a struct of its own, None for

@@ -17,7 +17,7 @@ KEPT_SHARE = 0.1  # [1] of a clearance: no time gap takes more than the rest of 
 
 @dataclass(frozen=True)
 class Cooperation:
-    """What the extended law is told once; with the start values it is the paper's law, bit for bit (ours).
+    """The parameters of the extended law; with the defaults it is the paper's law, bit for bit (ours).
 
     Each field is a number, an array that broadcasts with the vehicles, or a symbol; `following` is a number.
 
@@ -47,13 +47,13 @@ class Cooperation:
 
 @dataclass(frozen=True)
 class Traffic:
-    """What the extended law is told at every sampling instant, besides spacings and speeds (ours).
+    """The inputs of the extended law at a sampling instant, besides spacings and speeds (ours).
 
     Attributes
     ----------
     automated : (n, ...) array, 0 for a vehicle that drives itself, 1 else; None where all are automated
     a : (n, ...) array, accelerations, of which those of vehicles that drive themselves count [m/s2]; None for 0
-    v_desired : desired speed of vehicles that follow nobody, None for v* [m/s]
+    v_desired : desired speed of vehicles that follow no vehicle, None for v* [m/s]
     a_desired : its derivative [m/s2]
     closing : (n, ...) array, what closing up adds to the desired speeds now, from `closing_speeds` [m/s]; None for 0
     """
@@ -121,7 +121,7 @@ def clearances(s: Array, cooperation: Cooperation, constants: PlatoonParameters)
 def model_spacing(s: Array, v: Array, cooperation: Cooperation, constants: PlatoonParameters) -> Array:
     """s~_i = s_i - (length[i-1] - L) - time_gap v_i, what the potential is a function of (ours).
 
-    The time gap takes at most 1 - KEPT_SHARE of the clearance, so that s~_i is above L exactly where nobody touches.
+    The time gap takes at most 1 - KEPT_SHARE of the clearance, so that s~_i is above L exactly where no vehicles touch.
 
     Parameters
     ----------

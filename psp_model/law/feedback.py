@@ -1,4 +1,4 @@
-"""The feedback law: from gaps and speeds to accelerations."""
+"""The feedback law: from spacings and speeds to accelerations."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def repulsion(s: Array, shape: Potential, constants: PlatoonParameters) -> Array
 
     Parameters
     ----------
-    s : (n-1, ...) array, gaps [m], leader's first
+    s : (n-1, ...) array, spacings [m], leader's first
 
     Returns
     -------
@@ -96,7 +96,7 @@ def feedback(s: Array, v: Array, shape: Potential, constants: PlatoonParameters)
 
     Parameters
     ----------
-    s : (n-1, ...) array, gaps [m], all above L
+    s : (n-1, ...) array, spacings [m], all above L
     v : (n, ...) array, speeds [m/s], in [0, v_max]
 
     Returns
@@ -142,7 +142,7 @@ def command_towards(u: Array, v: Array, constants: PlatoonParameters, v_desired:
 
     g has v* and v_max - v* in its denominators.  Here v_d stays the speed that the vehicle tends to, and the
     denominators are kept at SPEED_MARGIN and above.  What pushes forward counts by the share v_d / SPEED_MARGIN where
-    v_d is lower than that: without this the vehicles of a platoon that is told to stand would push each other on.
+    v_d is lower than that: without this the vehicles of a platoon with v_d = 0 would push each other forward.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Who follows whom, where some vehicles drive themselves (ours)."""
+"""Which vehicle each one follows, where some are not automated (ours)."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def speeds_followed(
     v, a : (n, ...) speeds [m/s] and accelerations [m/s2]
     automated : (n, ...) array, 0 for a vehicle that drives itself, 1 else; None where all are automated
     following : NEAREST or PREDECESSOR
-    free : speed [m/s] and acceleration [m/s2] for vehicles that follow nobody
+    free : speed [m/s] and acceleration [m/s2] for vehicles that follow no vehicle
 
     Returns
     -------

@@ -130,7 +130,7 @@ def on_hill(s: Array, shape: PotentialParameters) -> NDArray[np.bool_]:
 
     Parameters
     ----------
-    s : (n-1, ...) array, gaps [m]
+    s : (n-1, ...) array, spacings [m]
 
     Returns
     -------
@@ -142,12 +142,12 @@ def on_hill(s: Array, shape: PotentialParameters) -> NDArray[np.bool_]:
 def potential(s: Array, shape: PotentialParameters, constants: PlatoonParameters) -> Array:
     """V(s) = alpha (lambda - s)^3 / (s - L) + ((r + 3 - s)(s - r))^p / (s - L)^2.
 
-    The first term holds for s < lambda, the second on the hill, r <= s < r + 3 (paper, eq. of V_new; its last case is
-    a slip and means s >= lambda).
+    The first term holds for s < lambda, the second on the hill, r <= s < r + 3 (paper, eq. of V_new; erratum: its last
+    case should read s >= lambda).
 
     Parameters
     ----------
-    s : (n-1, ...) array, gaps [m], all above L
+    s : (n-1, ...) array, spacings [m], all above L
     shape : alpha, r, p and hill, each a number or an array that broadcasts with s
     constants : L and lam
 
@@ -170,7 +170,7 @@ def potential_slope(s: Array, shape: PotentialParameters, constants: PlatoonPara
 
     Parameters
     ----------
-    s : (n-1, ...) array, gaps [m], all above L
+    s : (n-1, ...) array, spacings [m], all above L
     shape : alpha, r, p and hill, each a number or an array that broadcasts with s
     constants : L and lam
 

@@ -1,4 +1,4 @@
-"""What a controller remembers of other vehicles: their speeds, and what it concludes from them (ours)."""
+"""Estimates of other vehicles' accelerations, and the memory of closing up (ours)."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ def regret_tables(tables: Array, J: Array, cap: float) -> Array:
     ----------
     tables : (B, R, P) J, infinite where no p is feasible
     J : (B,) optima
-    cap : largest value kept; a gradient of the far hills helps nobody
+    cap : largest value kept; gradients far from the minimum do not help
 
     Returns
     -------

@@ -26,7 +26,7 @@ def make_dataset(
     threads: int | None = None,
     watch: Callable[[int, int], None] = lambda done, chunks: None,
 ) -> None:
-    """Solve a plan and write its Parquet file; whoever solves which chunk when, the file is the same.
+    """Solve a plan and write its Parquet file; the file does not depend on which worker solves which chunk, or when.
 
     Solved chunks are kept in `<path>.parts/` until the file is complete.
 
@@ -85,7 +85,7 @@ def _prepare(parts: Path, path: Path, plan: Plan, resume: bool) -> None:
     if parts.exists() and not parts.is_dir():
         raise OfflineError(f"{parts} is no folder", "remove it or choose another path", "exists")
     if not _solved(parts):
-        note.unlink(missing_ok=True)  # so that a run that solved nothing stands in nobody's way
+        note.unlink(missing_ok=True)  # so that a run that solved nothing does not block the next one
     if note.exists() and not resume:
         remedy = "go on with resume=True, or remove that folder"
         raise OfflineError(f"{parts} holds an unfinished run", remedy, "unfinished")

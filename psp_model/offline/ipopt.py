@@ -60,7 +60,7 @@ class LocalSolver:
 
         Parameters
         ----------
-        start : (2n-1,) gaps [m], then speeds [m/s]
+        start : (2n-1,) spacings [m], then speeds [m/s]
         guesses : triples to begin at
 
         Returns

@@ -1,4 +1,4 @@
-"""Trained weights to an ONNX file: plain layers, pooled over the gaps if the number of vehicles is free."""
+"""Trained weights to an ONNX file: plain layers, pooled over the spacings if the number of vehicles is free."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ class _Graph:
         return name
 
     def network(self, layers: Layers, shared: int, value: str, name: str, output: str) -> None:
-        """Layers from `value` to `output`: the first `shared` for every gap, pooled, the others behind them."""
+        """Layers from `value` to `output`: the first `shared` for every spacing, pooled, the others behind them."""
         if shared:
             value = self._pooled(layers[:shared], value, name)
         for number, (W, b) in enumerate(layers[shared:], start=shared + 1):
@@ -147,7 +147,7 @@ class _Graph:
                 value = self.node("Relu", [value], f"{name}_h{number}")
 
     def _pooled(self, layers: Layers, value: str, name: str) -> str:
-        """Layers for every gap, then mean and maximum over the gaps."""
+        """Layers for every spacing, then mean and maximum over the spacings."""
         for number, (W, b) in enumerate(layers, start=1):
             product = self.node("MatMul", [value, self.constant(f"{name}_W{number}", W)], f"{name}_y{number}")
             total = self.node("Add", [product, self.constant(f"{name}_b{number}", b)], f"{name}_z{number}")
@@ -159,7 +159,7 @@ class _Graph:
         return self.node("Concat", parts, f"{name}_pooled", axis=1)
 
     def windows(self, radius: int) -> str:
-        """[batch, gaps, 4 (2 radius + 1)]: length, speeds in front and behind, 1; of a gap and its neighbours."""
+        """[batch, spacings, 4 (2 radius + 1)]: length, speeds in front and behind, 1; with its neighbours."""
         from onnx import helper
 
         last, one = np.iinfo(np.int64).max, self.constant("axis", [1], np.int64)

@@ -33,7 +33,7 @@ class Dataset:
 
     Attributes
     ----------
-    starts : (B, 2n-1) gaps [m], then speeds [m/s]
+    starts : (B, 2n-1) spacings [m], then speeds [m/s]
     triples : (B, 3) alpha [1], r [m], p [1]
     J : (B,) at the optima
     tables : (B, R, P) float32, J on `grid`, or None where the file has none

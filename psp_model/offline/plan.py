@@ -48,7 +48,7 @@ class Plan:
         return -(-self.starts // self.chunk)
 
     def draw(self) -> Array:
-        """(starts, 2n-1) array, gaps [m] then speeds [m/s] of each start."""
+        """(starts, 2n-1) array, spacings [m] then speeds [m/s] of each start."""
         s, v = self.domain.draw(np.random.default_rng(self.seed), self.problem.vehicles, self.starts)
         return np.concatenate([s, v]).T
 

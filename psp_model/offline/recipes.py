@@ -38,7 +38,7 @@ class Recipe:
     schedule : of the fit
     blur : standard deviation of the blur of the cost tables [cells]
     cap : largest regret that the cost tables keep
-    per_gap : widths of the layers that all gaps share; without any the network is for one number of vehicles
+    per_gap : widths of the layers that all spacings share; without any the network is for one number of vehicles
     """
 
     name: str

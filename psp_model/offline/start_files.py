@@ -34,7 +34,7 @@ def read_starts(path: Path, constants: PlatoonParameters | None = None) -> Array
 
     Returns
     -------
-    (B, 2n-1) array, gaps [m] then speeds [m/s]
+    (B, 2n-1) array, spacings [m] then speeds [m/s]
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What a network looks like: a chain of layers for one number of vehicles, or layers that all gaps share."""
+"""What a network looks like: a chain of layers for one number of vehicles, or layers that all spacings share."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .fit import Layers, apply, hidden_layers, initial_layers
 
 Array = NDArray[Any]
 
-CHANNELS = 4  # of a gap: its length, the speed in front of it, the speed behind it, and 1 where there is a gap
+CHANNELS = 4  # of a spacing: its length, the speed in front of it, the speed behind it, and 1 where there is a spacing
 
 
 class Structure(Protocol):
@@ -26,7 +26,7 @@ class Structure(Protocol):
 
         Parameters
         ----------
-        starts : (B, 2n-1) array, gaps [m] then speeds [m/s]
+        starts : (B, 2n-1) array, spacings [m] then speeds [m/s]
         domain : whose bounds become -1 and 1
 
         Returns
@@ -114,16 +114,16 @@ class Layered:
 
 @dataclass(frozen=True)
 class PerGap:
-    """Layers shared by all gaps, then mean and maximum over the gaps, then a chain of layers (ours).
+    """Layers shared by all spacings, then mean and maximum over the spacings, then a chain of layers (ours).
 
-    A gap is seen with its neighbours up to `radius` gaps away.  Where the platoon ends there are no neighbours: all
+    A spacing is seen with its neighbours up to `radius` away.  Where the platoon ends there are no neighbours: all
     four channels are 0 there, and the fourth says so.
 
     Attributes
     ----------
-    longest : gaps of the longest platoon in training; shorter ones are filled up with gaps that are not there
-    widths : of the layers shared by all gaps
-    radius : how many neighbours on each side a gap is seen with
+    longest : spacings of the longest platoon in training; shorter ones are filled up with spacings that are not there
+    widths : of the layers shared by all spacings
+    radius : how many neighbours on each side a spacing is seen with
     """
 
     longest: int
@@ -131,7 +131,7 @@ class PerGap:
     radius: int = 2
 
     def rows(self, starts: Array, domain: StartDomain) -> Array:
-        """The channels of each gap of the `starts`, (B, longest, 4)."""
+        """The channels of each spacing of the `starts`, (B, longest, 4)."""
         scaled = _scaled(starts, domain)
         gaps = (starts.shape[1] - 1) // 2
         speeds = scaled[:, gaps:]
@@ -142,7 +142,7 @@ class PerGap:
         return found
 
     def initial(self, hidden: Sequence[int], outputs: int, seed: int) -> Layers:
-        """Layers of the gaps, then those behind the pooling, `hidden` and `outputs` wide, random by `seed`."""
+        """Layers of the spacings, then those behind the pooling, `hidden` and `outputs` wide, random by `seed`."""
         shared = initial_layers([CHANNELS * (2 * self.radius + 1), *self.widths], seed)
         return shared + initial_layers([2 * self.widths[-1], *hidden, outputs], seed + 1)
 
@@ -154,7 +154,7 @@ class PerGap:
         return apply(layers[len(self.widths) :], array_namespace(rows).concatenate(pooled, axis=1))
 
     def _windows(self, rows: Any) -> Any:
-        """(B, longest, 4 (2 radius + 1)) array, each gap with its neighbours."""
+        """(B, longest, 4 (2 radius + 1)) array, each spacing with its neighbours."""
         xp, gaps = array_namespace(rows), rows.shape[1]
         padded = xp.pad(rows, ((0, 0), (self.radius, self.radius), (0, 0)))
         return xp.concatenate([padded[:, k : k + gaps] for k in range(2 * self.radius + 1)], axis=2)
@@ -162,7 +162,7 @@ class PerGap:
     def folded(self, layers: Layers, domain: StartDomain, out_shift: Any, out_scale: Any) -> Layers:
         """The `layers` on raw input; an output y becomes out_shift + out_scale y.
 
-        The shift of the input goes to the channel that says whether there is a gap: where there is none, none is added.
+        The shift of the input goes to the channel that says whether there is a spacing: elsewhere nothing is added.
         """
         (gap, front, rear), (wide, fast, fast_too) = (part[[0, 1, 1]] for part in input_scaling(domain, 2))
         raw = np.diag([1 / wide, 1 / fast, 1 / fast_too, 1.0])

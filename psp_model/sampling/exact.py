@@ -1,4 +1,4 @@
-"""The exact period: how long the commands held keep everybody apart and below the speed limit (ours)."""
+"""The exact period: how long the held commands keep the vehicles apart and below the speed limit (ours)."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def first_contact(c: Array, b: Array, a: Array) -> Array:
 def exact_period(s: Array, v: Array, a: Array, constants: PlatoonParameters) -> Array:
     """T_exact: when, under the accelerations held, a spacing first falls to L or a speed leaves its bounds.
 
-    Who knows all commands can compute it; Lemma 1 asks each vehicle to be safe whatever its neighbours do (ours).  The
+    It takes all commands; Lemma 1 bounds each vehicle for any commands of its neighbours (ours).  The
     bounds of the speeds are Lemma 1's own.
 
     Parameters

@@ -1,4 +1,4 @@
-"""The exact sampled-data model: what a constant acceleration does to gaps and speeds (paper, eq. 10)."""
+"""Zero-order hold, exactly: what a constant acceleration does to spacings and speeds (paper, eq. 10)."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Vehicles = TypeVar("Vehicles", bound=Moving)
 
 
 class Plant(Protocol[Vehicles]):
-    """What a loop drives: vehicles that take commands of acceleration; its state is a struct of the plant's own.
+    """The controlled vehicles: they take commanded accelerations; the state is a struct of the plant's own.
 
     Both functions are pure, and generic over the array namespace, so that the same plant serves a run, a batch of
     rollouts and CasADi (ours).
@@ -82,7 +82,7 @@ class Motion(NamedTuple):
 
 @dataclass(frozen=True)
 class DoubleIntegrators:
-    """The paper's vehicles: each does at once what it is told; exact for commands that are held (paper, eq. 10)."""
+    """The paper's vehicles, which follow commands at once; exact under zero-order hold (paper, eq. 10)."""
 
     def begin(self, x: Number, s: Array, v: Array) -> Motion:
         """See `Plant.begin`."""
@@ -98,7 +98,7 @@ IDEAL = DoubleIntegrators()
 
 
 def relative(y: Array) -> Array:
-    """y_{i-1} - y_i, as the gaps are defined (paper, section II).
+    """y_{i-1} - y_i, as the spacings are defined (paper, section II).
 
     Parameters
     ----------
@@ -106,20 +106,20 @@ def relative(y: Array) -> Array:
 
     Returns
     -------
-    (n-1, ...) array, one value for each gap
+    (n-1, ...) array, one value for each spacing
     """
     return y[:-1] - y[1:]
 
 
 def advance(s: Array, v: Array, a: Array, tau: Number) -> tuple[Array, Array]:
-    """Gaps and speeds a time tau after a sampling instant, exactly.
+    """Spacings and speeds a time tau after a sampling instant, exactly.
 
     s(tau) = s + D(tau v + tau^2/2 a) and v(tau) = v + tau a, with D the difference between vehicle i-1 and vehicle i.
-    Gaps are integrated rather than positions, so that they keep their precision however far the platoon drives (ours).
+    Spacings are integrated rather than positions, so that they keep their precision over any distance (ours).
 
     Parameters
     ----------
-    s : (n-1, ...) array, gaps [m]
+    s : (n-1, ...) array, spacings [m]
     v : (n, ...) array, speeds [m/s]
     a : (n, ...) array, accelerations held since the sampling instant [m/s2]
     tau : time since the sampling instant [s]
@@ -132,16 +132,16 @@ def advance(s: Array, v: Array, a: Array, tau: Number) -> tuple[Array, Array]:
 
 
 def gaps_after(s: Array, moved: Array) -> Array:
-    """Gaps once every vehicle has travelled some distance (paper, eq. 10).
+    """Spacings once every vehicle has travelled some distance (paper, eq. 10).
 
     Parameters
     ----------
-    s : (n-1, ...) array, gaps before [m]
+    s : (n-1, ...) array, spacings before [m]
     moved : (n, ...) array, distance travelled since [m], from `travelled`
 
     Returns
     -------
-    (n-1, ...) array, gaps after [m]
+    (n-1, ...) array, spacings after [m]
     """
     return s + relative(moved)
 

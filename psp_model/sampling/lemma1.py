@@ -1,4 +1,4 @@
-"""Lemma 1: which sampling period keeps everybody apart and below the speed limit."""
+"""Lemma 1: which sampling period keeps the vehicles apart and below the speed limit."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from ..parameters import PlatoonParameters
 
 
 def period_bounds(s: Array, v: Array, a: Array, constants: PlatoonParameters) -> tuple[Array, Array]:
-    """The bounds on the sampling period that each gap and each speed sets at a sampling instant (paper, Lemma 1).
+    """The bounds on the sampling period that each spacing and each speed sets at a sampling instant (paper, Lemma 1).
 
     Parameters
     ----------
-    s : (n-1, ...) array, gaps [m]
+    s : (n-1, ...) array, spacings [m]
     v : (n, ...) array, speeds [m/s]
     a : (n, ...) array, accelerations about to be held [m/s2]
 
@@ -61,7 +61,7 @@ def violation(t: float, T: float, s: Array, v: Array, a: Array, constants: Plato
     """
     of_gaps, of_speeds = period_bounds(s, v, a, constants)
     j = int(np.argmin(of_speeds))
-    if of_gaps.size and of_gaps.min() <= of_speeds[j]:  # a lone vehicle has no gap
+    if of_gaps.size and of_gaps.min() <= of_speeds[j]:  # a lone vehicle has no spacing
         i = int(np.argmin(of_gaps))
         bound = of_gaps[i]
         return ModelError("lemma1_gap", T, bound, t, i + 2, i + 2, s[i], constants.L, constants.v_max, bound)

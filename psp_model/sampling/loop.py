@@ -1,7 +1,7 @@
 """The closed loop on its sampling clock, as pure functions of explicit state (ours, except the equations they call).
 
 `begin` samples for the first time, `step` goes to the next sampling instant; both return the new instant and a verdict.
-What is done about a verdict is decided elsewhere (`platoon.py`).
+Policies act on the verdict elsewhere (`platoon.py`).
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Loop:
 
     Attributes
     ----------
-    controller : who decides, with potential and constants
+    controller : with potential and constants
     weights : of the objective
     T : sampling period [s]
     plant : what is driven
@@ -173,7 +173,7 @@ def after(loop: Loop, now: Instant, tau: float) -> tuple[Moving, Cost]:
 
 
 def refusal(loop: Loop, now: Instant, verdict: Verdict) -> ModelError:
-    """The sentence that says why an instant is not certified, with its values, bound and remedy (ours).
+    """The error for an instant that is not certified, with its values, bound and remedy (ours).
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ def decide(controller: Controller[Memory], memory: Memory | None, vehicles: Movi
 
     Parameters
     ----------
-    controller : who decides
+    controller : in use
     memory : what it remembers, None at first
     vehicles : state of the plant
 
@@ -59,7 +59,7 @@ def hold(
 
     Returns
     -------
-    the state, and the (...) terms of acceleration and of spacings [s]; exact where the vehicles do what they are told,
+    the state, and the (...) terms of acceleration and of spacings [s]; exact where vehicles follow commands at once,
     else as if each held its mean acceleration
     """
     after, held = plant.advance(vehicles, a, tau)

@@ -29,7 +29,7 @@ def import_onnxruntime() -> Any:
     """The package onnxruntime, which neither writes into HOME nor asks the network for anything.
 
     From version 1.29 on it does both on Linux and macOS, unless the environment variable ORT_DISABLE_TELEMETRY is 1
-    before it is imported; whoever has set that variable decides.
+    before it is imported; a value that is set already stays.
 
     Raises
     ------
@@ -51,7 +51,7 @@ def import_onnxruntime() -> Any:
 
 @lru_cache(maxsize=64)
 def _open_session(content: bytes) -> Any:
-    """A session for a file's content, one for all copies: an FMU that is loaded again lies in another folder."""
+    """A session for a file's content, one for all copies: an FMU that is loaded again is in another folder."""
     onnxruntime = import_onnxruntime()
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1
@@ -210,7 +210,7 @@ class ParameterNetwork:
 
         Parameters
         ----------
-        s : (n-1,) array, gaps [m]
+        s : (n-1,) array, spacings [m]
         v : (n,) array, speeds [m/s]
 
         Returns
@@ -229,7 +229,7 @@ class ParameterNetwork:
 
         Parameters
         ----------
-        s : (n-1,) array, gaps [m]
+        s : (n-1,) array, spacings [m]
         v : (n,) array, speeds [m/s]
         count : most candidates
 
@@ -246,12 +246,12 @@ class ParameterNetwork:
 
 @lru_cache(maxsize=64)
 def _shared(path: Path, stamp: tuple[int, int]) -> ParameterNetwork:
-    """The network in a file, one for all who ask: a session of onnxruntime takes time and memory."""
+    """The network in a file, shared: a session of onnxruntime takes time and memory."""
     return ParameterNetwork(path)
 
 
 def open_network(path: Path) -> ParameterNetwork:
-    """The network in a file as it is now, one for all who ask; a file that was replaced since is another (ours).
+    """The network in a file as it is now, shared; a file replaced since is opened again (ours).
 
     Parameters
     ----------

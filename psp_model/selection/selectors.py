@@ -1,4 +1,4 @@
-"""Who selects the potential: a fixed one, the network's answer, or the best of its candidates."""
+"""Selectors of the potential: a fixed one, the network's answer, or the best of its candidates."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Selection(NamedTuple):
 
 @runtime_checkable
 class Selector(Protocol):
-    """Selects the potential for vehicles that have come together (ours)."""
+    """Selects the potential for a start (ours)."""
 
     def select(self, s: ArrayLike, v: ArrayLike, constants: PlatoonParameters) -> Selection:
         """The potential for n >= 1 vehicles.
@@ -57,7 +57,7 @@ class Selector(Protocol):
 
 @dataclass(frozen=True)
 class Old:
-    """V_old for everybody (paper)."""
+    """V_old for any start (paper)."""
 
     def select(self, s: ArrayLike, v: ArrayLike, constants: PlatoonParameters) -> Selection:
         """See `Selector.select`."""
@@ -66,7 +66,7 @@ class Old:
 
 @dataclass(frozen=True)
 class Fixed:
-    """One feasible triple for everybody.
+    """One feasible triple for any start.
 
     Attributes
     ----------
@@ -184,7 +184,7 @@ class ParameterSource(IntEnum):
 
 @dataclass(frozen=True)
 class Request:
-    """What the user of an FMU asks for.
+    """What the user of an FMU requests.
 
     Attributes
     ----------
@@ -222,7 +222,7 @@ class Request:
 def selector_for(
     request: Request, networks: Mapping[int, ParameterNetwork], weights: ObjectiveWeights, sampling: Sampling
 ) -> Selector:
-    """Who selects as the user of an FMU asks.
+    """The selector for a request.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""What is controlled: vehicles, and a leader with a speed of his own."""
+"""Plants: vehicles, and leaders with a given speed."""

@@ -1,4 +1,4 @@
-"""How hard the vehicles ahead may brake from now on so that nobody is touched (ours; docs/theory.md)."""
+"""How hard the vehicles ahead may brake from now on without a collision (ours; docs/theory.md)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..namespaces import Array, Number, array_namespace, smallest
 from .actuation import first_stop, ride, uninterrupted
 
 TINY = 1e-12  # [s] no time is divided by less
-MOST = 12.0  # [m/s2] no road lets anybody brake harder: a larger margin is not looked for
+MOST = 12.0  # [m/s2] no road allows harder braking: larger margins are not searched
 INSTANTS = 200  # at which each pair is looked at before the vehicle behind stands, denser at first
 
 
@@ -45,7 +45,7 @@ class Braking(NamedTuple):
 
 
 def brake_margin(clearance: Array, vehicles: Braking, automated: Array | None = None) -> Array:
-    """The largest b so that all vehicles not automated may brake with b to standstill and those behind touch nobody.
+    """The largest b so that all vehicles not automated may brake with b to standstill and those behind do not collide.
 
     Without any vehicle that drives itself the leader is the one that brakes.  The automated vehicles behind it keep
     their accelerations for the dead time, then go over to a_min with their lags, each until it stands.
@@ -58,15 +58,15 @@ def brake_margin(clearance: Array, vehicles: Braking, automated: Array | None = 
 
     Returns
     -------
-    (...) array, from 0 to MOST [m/s2]; 0 where a vehicle would be touched even if it did not brake, or where automated
-    vehicles touch each other when all of them brake
+    (...) array, from 0 to MOST [m/s2]; 0 where vehicles would collide even if the one ahead did not brake, or where
+    automated vehicles collide when all of them brake
     """
     v = vehicles.v
     xp = array_namespace(v)
     if v.shape[0] < 2:
         return MOST + 0.0 * v[0]
     automated = 1.0 + 0.0 * v if automated is None else automated + 0.0 * v
-    first = xp.where(smallest(automated) < 0.5, automated[:1], 0.0)  # nobody drives himself: the leader brakes
+    first = xp.where(smallest(automated) < 0.5, automated[:1], 0.0)  # all are automated: the leader brakes
     brakes = xp.concat([first, automated[1:]])
     ahead, behind = vehicles.rows(slice(None, -1)), vehicles.rows(slice(1, None))
     of_ahead, of_behind = stop(ahead), stop(behind)

@@ -1,4 +1,4 @@
-"""Ideal vehicles on one lane: what a controller of ours drives where no other plant is at hand."""
+"""Ideal vehicles on one lane, the plant of the controller where there is no other."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from ..state import PlatoonState, seal
 
 @dataclass(frozen=True)
 class StoppingIntegrators(DoubleIntegrators):
-    """Double integrators that do not reverse: who comes to a stop on the way stands from there on, exactly (ours).
+    """Double integrators that do not reverse: a vehicle that stops stays at standstill, exactly (ours).
 
-    In certified periods nobody does, and these are the paper's vehicles.
+    In certified periods no vehicle stops, and these are the paper's vehicles.
     """
 
     def advance(self, vehicles: Motion, a: Vector, tau: float) -> tuple[Motion, Vector]:

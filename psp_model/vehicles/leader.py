@@ -15,7 +15,7 @@ from ..parameters import PlatoonParameters
 
 
 class LeaderSpeed(Protocol):
-    """Whatever says how fast the leader drives."""
+    """The speed of a leader over time."""
 
     def speed(self, time: float) -> float:
         """Speed of the leader [m/s].
@@ -32,7 +32,7 @@ class Wave:
 
     Attributes
     ----------
-    high, low : speeds [m/s]; equal for a leader who never changes his
+    high, low : speeds [m/s]; equal for a steady leader
     begin : when the first braking begins [s]
     period : of the wave [s]
 

@@ -25,7 +25,7 @@ class Seen(NamedTuple):
     automated : (n, ...) array, 0 for a vehicle that drives itself, 1 else; None where all are automated
     a : (n, ...) accelerations communicated by vehicles that drive themselves [m/s2]; None for none
     known : (n, ...) 1 where they are communicated, else 0; None for everywhere
-    v_desired, a_desired : desired speed of vehicles that follow nobody, None for v* [m/s], and its derivative [m/s2]
+    v_desired, a_desired : desired speed of vehicles that follow none, None for v* [m/s], and its derivative [m/s2]
     """
 
     s: Array

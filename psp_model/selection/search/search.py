@@ -126,7 +126,7 @@ class Search:
 
         Parameters
         ----------
-        starts : (B, 2n-1) array, gaps [m] then speeds [m/s] of each start
+        starts : (B, 2n-1) array, spacings [m] then speeds [m/s] of each start
 
         Returns
         -------
@@ -153,7 +153,7 @@ class Search:
 
         Parameters
         ----------
-        starts : (B, 2n-1) array, gaps [m] then speeds [m/s]
+        starts : (B, 2n-1) array, spacings [m] then speeds [m/s]
 
         Returns
         -------
