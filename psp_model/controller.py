@@ -19,7 +19,7 @@ from .sampling.lemma1 import largest_period
 from .sampling.policy import Lemma1Policy, Sampling
 from .selection.feasible import require_feasible
 from .selection.network import ParameterNetwork
-from .selection.selectors import Request, Selector, selector_for
+from .selection.selectors import Request, Selector, Trained, lies_in_domain, selector_for
 from .state import read_only
 
 Vector = NDArray[np.float64]
@@ -123,7 +123,7 @@ class Command:
     violations, faults : sampling instants so far with T >= T_max, and with inputs that were not in order
     choices : how often alpha, r, p were chosen
     n_active : vehicles under control at the last choice
-    in_domain : whether the last choice was a network's
+    in_domain : whether the vehicles were in a network's training domain at the last choice
     resolve : the input at the last sampling instant
     shape : the potential in use
     """
@@ -179,7 +179,12 @@ def no_command(settings: ControllerSettings) -> Command:
 
 
 def decide(
-    settings: ControllerSettings, selector: Selector, before: Command, time: float, measured: Measurement
+    settings: ControllerSettings,
+    selector: Selector,
+    trained: Mapping[int, Trained],
+    before: Command,
+    time: float,
+    measured: Measurement,
 ) -> Decision:
     """The decision at a sampling instant; pure (ours, except the law).
 
@@ -187,6 +192,7 @@ def decide(
     ----------
     settings : what the controller is told once
     selector : who selects alpha, r, p
+    trained : what networks were trained on, by number of vehicles
     before : the last decision
     time : of the instant [s], for messages
     measured : the inputs
@@ -199,7 +205,8 @@ def decide(
         taken = _in_order(settings, measured)
     except ModelError as error:
         return Decision(_fail_safe(settings, before, measured), Verdict.BAD_MEASUREMENT, error)
-    return _regular(settings, selector, before, time, taken)
+    now, warning = _chosen(settings, selector, trained, before, taken)
+    return _regular(settings, now, time, taken)._replace(warning=warning)
 
 
 def _in_order(settings: ControllerSettings, measured: Measurement) -> Measurement:
@@ -234,16 +241,26 @@ def _in_order(settings: ControllerSettings, measured: Measurement) -> Measuremen
     return replace(measured, s=s, v=v, v_desired=desired)
 
 
-def _regular(
-    settings: ControllerSettings, selector: Selector, before: Command, time: float, measured: Measurement
-) -> Decision:
-    """The bounded feedback for vehicles that are in order."""
-    constants, T = settings.constants, settings.sampling.T
+def _chosen(
+    settings: ControllerSettings,
+    selector: Selector,
+    trained: Mapping[int, Trained],
+    before: Command,
+    measured: Measurement,
+) -> tuple[Command, str | None]:
+    """The last decision with the potential to use from now on, and what to warn of."""
+    s, v, constants = measured.s, measured.v, settings.constants
+    if not (v.size != before.n_active or measured.resolve > 0.5 >= before.resolve):
+        return before, None
+    shape, _, warning = selector.select(s, v, constants)
+    in_domain = lies_in_domain(trained, s, v, constants)
+    return replace(before, shape=shape, in_domain=in_domain, choices=before.choices + 1), warning
+
+
+def _regular(settings: ControllerSettings, before: Command, time: float, measured: Measurement) -> Decision:
+    """The bounded feedback for vehicles that are in order; `before` has the potential to use."""
+    constants, T, shape = settings.constants, settings.sampling.T, before.shape
     s, v, n = measured.s, measured.v, measured.v.size
-    shape, in_domain, choices, warning = before.shape, before.in_domain, before.choices, None
-    if n != before.n_active or measured.resolve > 0.5 >= before.resolve:
-        shape, in_domain, warning = selector.select(s, v, constants)
-        choices += 1
     if measured.v_desired is None:
         wanted = feedback(s, v, shape, constants)
     else:
@@ -253,11 +270,11 @@ def _regular(
     saturated[:n] = a[:n] != wanted
     T_max = float(largest_period(s, v, a[:n], constants))
     certified = T_max > T
-    counts = (before.violations + (not certified), before.faults, choices)
-    now = Command(a, saturated, True, T_max, *counts, n, in_domain, measured.resolve, shape)
+    counts = (before.violations + (not certified), before.faults, before.choices)
+    now = Command(a, saturated, True, T_max, *counts, n, before.in_domain, measured.resolve, shape)
     if certified:
-        return Decision(now, Verdict.IN_ORDER, warning=warning)
-    return Decision(now, Verdict.NOT_CERTIFIED, _violation(time, T, T_max, s, constants), warning)
+        return Decision(now, Verdict.IN_ORDER)
+    return Decision(now, Verdict.NOT_CERTIFIED, _violation(time, T, T_max, s, constants))
 
 
 def _fail_safe(settings: ControllerSettings, before: Command, measured: Measurement) -> Command:
@@ -285,12 +302,14 @@ class SampledController(Warns):
     ----------
     settings : what it is told once
     selector : who selects alpha, r, p
+    trained : what networks were trained on, by number of vehicles
     now : the command held, all zeros before the first sampling instant
     warn : called with one sentence for each thing to be warned of
     """
 
     settings: ControllerSettings
     selector: Selector
+    trained: Mapping[int, Trained]
     now: Command
     warn: Callable[[str], None] = silent
 
@@ -300,6 +319,7 @@ class SampledController(Warns):
         settings: ControllerSettings,
         networks: Mapping[int, ParameterNetwork] | None = None,
         warn: Callable[[str], None] = silent,
+        trained: Mapping[int, Trained] | None = None,
     ) -> SampledController:
         """A controller before its first sampling instant.
 
@@ -308,6 +328,7 @@ class SampledController(Warns):
         settings : what it is told once
         networks : by number of vehicles
         warn : as the attribute
+        trained : as the attribute, where it is known without opening the networks
 
         Raises
         ------
@@ -315,7 +336,8 @@ class SampledController(Warns):
         """
         settings.checked()
         selector = selector_for(settings.request, networks or {}, settings.weights, settings.sampling)
-        return cls(settings, selector, no_command(settings), warn)
+        known = (networks or {}) if trained is None else trained
+        return cls(settings, selector, known, no_command(settings), warn)
 
     def sample(self, time: float, measured: Measurement) -> None:
         """Decide at a sampling instant and make the decision `now`.
@@ -331,7 +353,7 @@ class SampledController(Warns):
             a network file is at fault
         """
         before, settings = self.now, self.settings
-        decision = decide(settings, self.selector, before, time, measured)
+        decision = decide(settings, self.selector, self.trained, before, time, measured)
         if decision.warning:
             self.warn(decision.warning)
         if decision.verdict is Verdict.BAD_MEASUREMENT:
