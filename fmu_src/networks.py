@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from psp_model.installed.files import networks_folder
 from psp_model.selection.network import ParameterNetwork, network_path, open_network
@@ -70,6 +71,19 @@ def networks_up_to(capacity: int, path: Path | None = None) -> dict[int, Network
     taken = any(network.name == own.name for network in networks.values())
     own = replace(own, name=f"own_{own.name}") if taken else own
     return dict(sorted((networks | dict.fromkeys(served, own)).items()))
+
+
+def noted_of(networks: Mapping[int, NetworkFile]) -> dict[int, dict[str, Any]]:
+    """What the slave of an FMU is told of its networks, for JSON.
+
+    Parameters
+    ----------
+    networks : by number of vehicles
+    """
+    return {
+        n: {"file": network.name, "domain": network.domain, "constants": network.constants}
+        for n, network in networks.items()
+    }
 
 
 def notes_on_networks(networks: Mapping[int, NetworkFile]) -> list[str]:

@@ -19,7 +19,7 @@ from .sampling.lemma1 import largest_period
 from .sampling.policy import Lemma1Policy, Sampling
 from .selection.feasible import require_feasible
 from .selection.network import ParameterNetwork
-from .selection.selectors import Request, Selector, selector_for
+from .selection.selectors import Request, Selector, Trained, lies_in_domain, selector_for
 from .state import read_only, seal
 
 Vector = NDArray[np.float64]
@@ -141,7 +141,7 @@ class Command:
     violations, faults : sampling instants so far with T >= T_max, and with invalid inputs
     choices : how often alpha, r, p were selected
     n_active : vehicles under control at the last selection
-    in_domain : whether the last selection was a network's
+    in_domain : whether the vehicles were in a network's training domain at the last selection
     resolve : the input at the last sampling instant
     shape : the potential in use
     """
@@ -197,7 +197,12 @@ def no_command(settings: ControllerSettings) -> Command:
 
 
 def decide(
-    settings: ControllerSettings, selector: Selector, before: Command, time: float, measured: Measurement
+    settings: ControllerSettings,
+    selector: Selector,
+    trained: Mapping[int, Trained],
+    before: Command,
+    time: float,
+    measured: Measurement,
 ) -> Decision:
     """The decision at a sampling instant; pure (ours, except the law).
 
@@ -205,6 +210,7 @@ def decide(
     ----------
     settings : of the controller
     selector : selects alpha, r, p
+    trained : what networks were trained on, by number of vehicles
     before : the last decision
     time : of the instant [s], for messages
     measured : the inputs
@@ -217,7 +223,8 @@ def decide(
         taken = _in_order(settings, measured)
     except ModelError as error:
         return Decision(_fail_safe(settings, before, measured), Verdict.BAD_MEASUREMENT, error)
-    return _regular(settings, selector, before, time, taken)
+    now, warning = _chosen(settings, selector, trained, before, taken)
+    return _regular(settings, now, time, taken)._replace(warning=warning)
 
 
 def _in_order(settings: ControllerSettings, measured: Measurement) -> Measurement:
@@ -225,7 +232,7 @@ def _in_order(settings: ControllerSettings, measured: Measurement) -> Measuremen
 
     What lies outside by no more than ROUNDING is taken as the bound, a spacing as the next number above L: vehicles
     that stand have speeds and spacings such as -1e-18 m/s and L - 1e-12 m.  Under policy 1, which asks for spacings
-    above L + v_max T, a spacing of L or less is rejected under any policy.
+    above L + v_max T, a spacing of L or less is rejected all the same.
     """
     n = measured.n_active
     L, v_max = settings.constants.L, settings.constants.v_max
@@ -252,16 +259,26 @@ def _in_order(settings: ControllerSettings, measured: Measurement) -> Measuremen
     return replace(measured, s=s, v=v, v_desired=desired)
 
 
-def _regular(
-    settings: ControllerSettings, selector: Selector, before: Command, time: float, measured: Measurement
-) -> Decision:
-    """The bounded feedback for vehicles that are in order."""
-    constants, T = settings.constants, settings.sampling.T
+def _chosen(
+    settings: ControllerSettings,
+    selector: Selector,
+    trained: Mapping[int, Trained],
+    before: Command,
+    measured: Measurement,
+) -> tuple[Command, str | None]:
+    """The last decision with the potential to use from now on, and what to warn of."""
+    s, v, constants = measured.s, measured.v, settings.constants
+    if not (v.size != before.n_active or measured.resolve > 0.5 >= before.resolve):
+        return before, None
+    shape, _, warning = selector.select(s, v, constants)
+    in_domain = lies_in_domain(trained, s, v, constants)
+    return replace(before, shape=shape, in_domain=in_domain, choices=before.choices + 1), warning
+
+
+def _regular(settings: ControllerSettings, before: Command, time: float, measured: Measurement) -> Decision:
+    """The bounded feedback for vehicles that are in order; `before` has the potential to use."""
+    constants, T, shape = settings.constants, settings.sampling.T, before.shape
     s, v, n = measured.s, measured.v, measured.v.size
-    shape, in_domain, choices, warning = before.shape, before.in_domain, before.choices, None
-    if n != before.n_active or measured.resolve > 0.5 >= before.resolve:
-        shape, in_domain, warning = selector.select(s, v, constants)
-        choices += 1
     if measured.v_desired is None:
         wanted = feedback(s, v, shape, constants)
     else:
@@ -272,11 +289,11 @@ def _regular(
     seal(a, saturated)
     T_max = float(largest_period(s, v, a[:n], constants))
     certified = T_max > T
-    counts = (before.violations + (not certified), before.faults, choices)
-    now = Command(a, saturated, True, T_max, *counts, n, in_domain, measured.resolve, shape)
+    counts = (before.violations + (not certified), before.faults, before.choices)
+    now = Command(a, saturated, True, T_max, *counts, n, before.in_domain, measured.resolve, shape)
     if certified:
-        return Decision(now, Verdict.IN_ORDER, warning=warning)
-    return Decision(now, Verdict.NOT_CERTIFIED, _violation(time, T, T_max, s, constants), warning)
+        return Decision(now, Verdict.IN_ORDER)
+    return Decision(now, Verdict.NOT_CERTIFIED, _violation(time, T, T_max, s, constants))
 
 
 def _fail_safe(settings: ControllerSettings, before: Command, measured: Measurement) -> Command:
@@ -305,12 +322,14 @@ class SampledController(Warns):
     ----------
     settings : of the controller
     selector : selects alpha, r, p
+    trained : what networks were trained on, by number of vehicles
     now : the command held, all zeros before the first sampling instant
     warn : called with one sentence for each thing to be warned of
     """
 
     settings: ControllerSettings
     selector: Selector
+    trained: Mapping[int, Trained]
     now: Command
     warn: Callable[[str], None] = silent
 
@@ -320,6 +339,7 @@ class SampledController(Warns):
         settings: ControllerSettings,
         networks: Mapping[int, ParameterNetwork] | None = None,
         warn: Callable[[str], None] = silent,
+        trained: Mapping[int, Trained] | None = None,
     ) -> SampledController:
         """A controller before its first sampling instant.
 
@@ -328,6 +348,7 @@ class SampledController(Warns):
         settings : of the controller
         networks : by number of vehicles
         warn : as the attribute
+        trained : as the attribute, where it is known without opening the networks
 
         Raises
         ------
@@ -335,7 +356,8 @@ class SampledController(Warns):
         """
         settings.checked()
         selector = selector_for(settings.request, networks or {}, settings.weights, settings.sampling)
-        return cls(settings, selector, no_command(settings), warn)
+        known = (networks or {}) if trained is None else trained
+        return cls(settings, selector, known, no_command(settings), warn)
 
     def sample(self, time: float, measured: Measurement) -> None:
         """Decide at a sampling instant and make the decision `now`.
@@ -351,7 +373,7 @@ class SampledController(Warns):
             a network file is at fault
         """
         before, settings = self.now, self.settings
-        decision = decide(settings, self.selector, before, time, measured)
+        decision = decide(settings, self.selector, self.trained, before, time, measured)
         if decision.warning:
             self.warn(decision.warning)
         if decision.verdict is Verdict.BAD_MEASUREMENT:

@@ -182,7 +182,7 @@ def commands(made: Any) -> list[Any]:
 def decision() -> Decision:
     """One that is not certified, for vehicles for which there is no network."""
     settings = ControllerSettings(4, sampling=Sampling(0.5, Lemma1Policy.WARN))
-    return decide_measured(settings, FromNetwork({}), no_command(settings), 1.5, Measurement(*PAIR, 3))
+    return decide_measured(settings, FromNetwork({}), {}, no_command(settings), 1.5, Measurement(*PAIR, 3))
 
 
 def selected(made: Any) -> list[Any]:

@@ -108,6 +108,7 @@
 #define project PSP_NAME(project)
 #define network_for PSP_NAME(network_for)
 #define network_candidates PSP_NAME(network_candidates)
+#define lies_in_domain PSP_NAME(lies_in_domain)
 #define outside_domain PSP_NAME(outside_domain)
 #define choose_shape PSP_NAME(choose_shape)
 #define warn_of_fallback PSP_NAME(warn_of_fallback)

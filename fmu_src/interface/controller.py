@@ -52,7 +52,7 @@ def _measured(n: int, rows: dict[str, Variable]) -> Iterator[Variable]:
     yield Variable("t_measured", text, "s", -1.0, nominal=100, input=True, continuous=True)
 
 
-def _decided(n: int, known: tuple[str, ...]) -> Iterator[Variable]:
+def _decided(n: int, rows: dict[str, Variable], known: tuple[str, ...]) -> Iterator[Variable]:
     for i in range(1, n + 1):
         text = f"Acceleration of vehicle {i}, commanded at the last sampling instant and held since"
         yield Variable(f"a[{i}]", text, "m/s2", nominal=1, dependencies=known)
@@ -66,8 +66,7 @@ def _decided(n: int, known: tuple[str, ...]) -> Iterator[Variable]:
     yield Variable("r", text, "m", nominal=10, dependencies=known)
     text = "Exponent of the hill in use; 0 with V_old, which has none"
     yield Variable("p", text, nominal=5, dependencies=known)
-    text = "1 if alpha, r, p come from a network whose training domain holds the vehicles they were chosen for, else 0"
-    yield Variable("network_in_domain", text, minimum=0, maximum=1, dependencies=known)
+    yield replace(rows["network_in_domain"], dependencies=known)
     text = "Lemma 1 at the last sampling instant: T is certified if it is below this; 0 with the safe action"
     yield Variable("T_max", text, "s", nominal=0.1, dependencies=known)
     text = "1 if T is below T_max at the last sampling instant, else 0"
@@ -95,4 +94,4 @@ def controller_table(capacity: int, default_source: int = 2) -> tuple[Variable, 
     rows = {row.name: row for row in platoon_table(capacity, default_source)}
     measured = tuple(_measured(capacity, rows))
     known = tuple(row.name for row in measured)
-    return (*_parameters(rows), *measured, *_decided(capacity, known))
+    return (*_parameters(rows), *measured, *_decided(capacity, rows, known))

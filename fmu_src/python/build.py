@@ -15,7 +15,7 @@ from ..interface.documentation import index_page
 from ..interface.model_description import Component, model_description
 from ..interface.platoon import DESCRIPTION, platoon_table
 from ..interface.variables import Variable
-from ..networks import NetworkFile, notes_on_networks
+from ..networks import NetworkFile, noted_of, notes_on_networks
 from ..pack.archive import content_digest, guid_of, write_fmu
 from ..pack.ecosystem import layered_standard, reference_results
 from .packages import model_sources, renamed, slave_module
@@ -74,12 +74,8 @@ def build_python_fmu(vehicles: int, output: Path, networks: Mapping[int, Network
     path of the FMU
     """
     source = 1 if vehicles in networks else 2
-    trained = {
-        n: {"file": network.name, "domain": network.domain, "constants": network.constants}
-        for n, network in networks.items()
-    }
     table = platoon_table(vehicles, source)
-    config = {"vehicles": vehicles, "default_source": source, "networks": trained}
+    config = {"vehicles": vehicles, "default_source": source, "networks": noted_of(networks)}
     reader = networks[vehicles].reader if vehicles in networks else None
     more = layered_standard(table, reference_results(table, reader))
     notes = [*notes_on_networks(networks), NEEDS]

@@ -9,7 +9,7 @@ from typing import Any
 from psp_model.vehicles.leader import read_profile
 
 from ..interface import controller, leader, plant
-from ..networks import NetworkFile, notes_on_networks
+from ..networks import NetworkFile, noted_of, notes_on_networks
 from .build import NEEDS, pack_slave
 
 
@@ -29,7 +29,7 @@ def build_controller_fmu(capacity: int, output: Path, networks: Mapping[int, Net
     config: dict[str, Any] = {
         "vehicles": capacity,
         "default_source": 1 if networks else 2,
-        "networks": {n: network.name for n, network in networks.items()},
+        "networks": noted_of(networks),
     }
     table, notes = (
         controller.controller_table(capacity, config["default_source"]),

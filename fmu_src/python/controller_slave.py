@@ -12,11 +12,11 @@ import numpy as np
 from psp_model.controller import BadMeasurement, Command, ControllerSettings, Measurement, SampledController
 from psp_model.errors import ModelError
 from psp_model.sampling.clock import Clock
-from psp_model.selection.network import read_networks
 
 from ..interface.controller import controller_table
 from ..interface.meaning import constants_of, weights_of
 from ..interface.variables import Variable
+from .network_files import networks_of
 from .state_check import bound, clock, count, flag, number, potential, record, require, variables, vector
 from .table_slave import LONGEST, TableSlave, logged
 
@@ -35,7 +35,7 @@ class PspController(TableSlave):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        self._networks = read_networks(Path(self.resources), self._config["networks"])
+        self._networks, self._trained = networks_of(Path(self.resources), self._config["networks"])
         self._ahead: Command | None = None  # the decision at the instant that the current point is, if one is known
         self._sampled = 0  # instants that lie in the past
         self._set_at = 0.0  # [sampling periods] since the first sampling instant, when gaps or speeds were last set
@@ -55,7 +55,7 @@ class PspController(TableSlave):
         settings = self._settings()
         self._clock = Clock.begin(self._clock.time, self._value("phase"), settings.sampling.T)
         self._set_at = self._here()  # what was set before belongs to the start
-        return SampledController.begin(settings, self._networks, self._warn)
+        return SampledController.begin(settings, self._networks, self._warn, self._trained)
 
     def _settings(self) -> ControllerSettings:
         """What the parameters say, checked."""

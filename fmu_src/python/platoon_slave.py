@@ -19,18 +19,16 @@ from numpy.typing import NDArray
 from psp_model.errors import ModelError
 from psp_model.law.potential import PotentialParameters
 from psp_model.membership import OpenPlatoon, Refusal
-from psp_model.parameters import PlatoonParameters
 from psp_model.platoon import SampledPlatoon
 from psp_model.sampling.clock import Clock
 from psp_model.sampling.policy import Sampling
 from psp_model.selection.feasible import require_feasible
-from psp_model.selection.network import read_networks
-from psp_model.selection.selectors import Selector, outside_domain, selector_for
-from psp_model.state import StartDomain
+from psp_model.selection.selectors import Selector, lies_in_domain, selector_for
 
 from ..interface.meaning import constants_of, start_of, weights_of
 from ..interface.platoon import platoon_table
 from ..interface.variables import Variable
+from .network_files import networks_of
 from .slave_state import Description, Members, SlaveState, from_json, to_json
 from .table_slave import LONGEST, TableSlave, logged
 
@@ -47,12 +45,7 @@ class PspPlatoon(TableSlave):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        trained = {int(n): entry for n, entry in self._config["networks"].items()}
-        self._networks = read_networks(Path(self.resources), {n: entry["file"] for n, entry in trained.items()})
-        # asked without opening a network, which takes time and onnxruntime
-        self._trained = {
-            n: (StartDomain(**entry["domain"]), PlatoonParameters(**entry["constants"])) for n, entry in trained.items()
-        }
+        self._networks, self._trained = networks_of(Path(self.resources), self._config["networks"])
         self._in_domain = 0.0
         self._insert, self._remove = self._place["insert"], self._place["remove"]
         self._become(Members())
@@ -95,8 +88,7 @@ class PspPlatoon(TableSlave):
 
     def _lies_in_domain(self, platoon: SampledPlatoon) -> float:
         """1.0 if there is a network for so many vehicles and they are in its training domain, else 0.0."""
-        now, trained = platoon.now, self._trained.get(platoon.now.v.size)
-        return float(trained is not None and outside_domain(now.s, now.v, platoon.constants, *trained) is None)
+        return float(lies_in_domain(self._trained, platoon.now.s, platoon.now.v, platoon.constants))
 
     # joining and leaving
 

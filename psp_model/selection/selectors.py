@@ -28,12 +28,12 @@ class Selection(NamedTuple):
     Attributes
     ----------
     potential : to run with
-    in_domain : whether a network's training domain holds the vehicles and the network was asked
+    by_network : whether it is a network's answer, or the best of its candidates
     warning : the sentence that says why the answer is not the one asked for, None where it is
     """
 
     potential: PotentialParameters
-    in_domain: bool = False
+    by_network: bool = False
     warning: str | None = None
 
 
@@ -102,7 +102,7 @@ class FromNetwork:
         network = self.networks.get(n)
         reason = why_not(network, s, v, constants)
         if network is not None and reason is None:
-            return Selection(self._asked(network, s, v, constants), in_domain=True)
+            return Selection(self._asked(network, s, v, constants), by_network=True)
         require_feasible(self.fallback, constants)
         triple = self.fallback
         warning = str(ModelError("fallback", reason, triple.alpha, triple.r, triple.p))
@@ -159,6 +159,30 @@ def outside_domain(
     if not domain.contains(s, v):  # also where policy 2 has let vehicles leave the state space
         return "gaps or speeds outside the network's training domain"
     return None
+
+
+class Trained(Protocol):
+    """What a network was trained on: a `ParameterNetwork`, or what somebody has noted of one."""
+
+    @property
+    def domain(self) -> StartDomain:
+        """The starts."""
+
+    @property
+    def constants(self) -> PlatoonParameters:
+        """The constants of the model."""
+
+
+def lies_in_domain(trained: Mapping[int, Trained], s: ArrayLike, v: ArrayLike, constants: PlatoonParameters) -> bool:
+    """Whether there is a network for so many vehicles, trained on such starts with these constants (ours).
+
+    Parameters
+    ----------
+    trained : by number of vehicles
+    s, v, constants : as for `Selector.select`
+    """
+    known = trained.get(np.size(v))
+    return known is not None and outside_domain(s, v, constants, known.domain, known.constants) is None
 
 
 def why_not(network: ParameterNetwork | None, s: ArrayLike, v: ArrayLike, constants: PlatoonParameters) -> str | None:

@@ -35,7 +35,7 @@ def test_outside_its_training_a_network_is_not_asked(gap, constants, reason, sou
     start = PlatoonState(np.full(6, gap), SPEEDS, constants)
     network = ParameterNetwork(ONNX / "platoon_7.onnx")
     selection = select_for(start, Request(source=source), network, *HOW)
-    assert selection.potential == BEST_FIXED and not selection.in_domain
+    assert selection.potential == BEST_FIXED and not selection.by_network
     assert reason in selection.warning and "alpha = 0.001" in selection.warning
 
 
@@ -44,7 +44,7 @@ def test_the_network_for_any_number_ends_at_12_vehicles(n):
     networks = dict.fromkeys(range(2, 13), ParameterNetwork(ONNX / "platoon_any.onnx"))
     s, v = np.full(n - 1, 10.0), np.full(n, 30.0)
     selection = FromNetwork(networks).select(s, v, PlatoonParameters())
-    assert selection.in_domain is (n <= 12)
+    assert selection.by_network is (n <= 12)
     assert (selection.potential == BEST_FIXED) is (n == 13)
     assert ("13 vehicles" in (selection.warning or "")) is (n == 13)
 

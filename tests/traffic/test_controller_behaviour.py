@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness import ERROR, OK, WARNING, random_start
+from harness import ERROR, OK, WARNING, random_start, starts
 from psp_model import BEST_FIXED, PlatoonParameters, feedback, project
 from psp_model.selection.network import ParameterNetwork
 
@@ -75,6 +75,30 @@ def test_parameters_are_chosen_anew_when_vehicles_join_or_resolve_rises(controll
     expected = project(network.evaluate(s2[:5], v2[:6]), PlatoonParameters())
     assert controller.get("network_in_domain") == [1.0]
     np.testing.assert_allclose(controller.get("alpha", "r", "p"), [expected.alpha, expected.r, expected.p], rtol=1e-9)
+
+
+@pytest.mark.parametrize("asked", [{}, FIXED, {"potential": 1}, {"parameter_source": 3, "rollout_horizon": 1.0}])
+def test_network_in_domain_says_where_the_vehicles_are_whatever_is_asked_for(controller, platoon_fmu, instances, asked):
+    s, v = random_start(6)
+    far = [gap + 20.0 for gap in s]
+    for gaps, more, expected in [
+        (s, {}, 1.0),
+        (far, {}, 0.0),
+        (s, {"mu": 0.6}, 0.0),  # not what the network was trained with
+        (s, {"n_active": 4.0}, 1.0),
+        (s, {"n_active": 1.0}, 0.0),
+    ]:
+        assert controller.initialise(named(gaps, v) | asked | more) == OK
+        assert controller.get("network_in_domain") == [expected], more
+        assert controller.step(0.0, T) == OK and controller.set(named(s, v)) == OK and controller.step(T, T) == OK
+        assert controller.get("network_in_domain") == [expected]  # until alpha, r, p are chosen anew
+        assert controller.call("fmi2Reset") == OK
+        platoon = instances(platoon_fmu)
+        begin = {
+            "n_start" if name == "n_active" else name: int(x) if name == "n_active" else x for name, x in more.items()
+        }
+        assert platoon.initialise(starts(gaps, v) | begin | asked) == OK
+        assert platoon.get("network_in_domain") == [expected]
 
 
 @pytest.mark.parametrize("n", [1, 2, 6])

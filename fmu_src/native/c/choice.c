@@ -117,10 +117,9 @@ void warn_of_fallback(Front *front, const Constants *constants, const Request *r
 }
 
 bool choose_shape(Front *front, const Constants *constants, const Weights *weights, double T, const Request *request,
-                  Shape *shape, bool *in_domain)
+                  Shape *shape)
 {
     char text[80];
-    *in_domain = false;
     *shape = request->fixed;
     if (request->old) {
         *shape = (Shape){1.0, 0.0, 0.0, 0.0};
@@ -131,7 +130,6 @@ bool choose_shape(Front *front, const Constants *constants, const Weights *weigh
         if (!request->quiet) warn_of_fallback(front, constants, request);
         return true;
     }
-    *in_domain = true;
     if (request->source == SOURCE_ROLLOUT) return choose_by_rollout(front, constants, weights, T, request, shape);
     network_candidates(request->n, request->s, request->v, 1, shape);
     return finite_triple(front, shape) && project(front, shape, constants);

@@ -133,8 +133,8 @@ static bool choose(const Settings *settings, Front *front, int n, Decision *deci
     request.s = decision->s;
     request.v = decision->v;
     decision->now.choices++;
-    return choose_shape(front, &settings->constants, &settings->weights, settings->T, &request, &decision->now.shape,
-                        &decision->now.in_domain);
+    decision->now.in_domain = lies_in_domain(n, decision->s, decision->v, &settings->constants);
+    return choose_shape(front, &settings->constants, &settings->weights, settings->T, &request, &decision->now.shape);
 }
 
 /* Why T is not certified: the smallest gap, or else speeds and commands. */

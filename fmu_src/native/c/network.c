@@ -127,7 +127,18 @@ const char *outside_domain(int n, const double *s, const double *v, const Consta
     return inside ? NULL : "gaps or speeds outside the network's training domain";
 }
 
+bool lies_in_domain(int n, const double *s, const double *v, const Constants *constants)
+{
+    return network_for(n) && !outside_domain(n, s, v, constants);
+}
+
 #else
+bool lies_in_domain(int n, const double *s, const double *v, const Constants *constants)
+{
+    (void)n, (void)s, (void)v, (void)constants;
+    return false;
+}
+
 bool network_for(int n)
 {
     (void)n;

@@ -10,10 +10,8 @@ bool part_initialise(Backend *backend)
     Part *part = &backend->model.part;
     Platoon *platoon = &part->platoon;
     Request request;
-    bool in_domain;
     if (!platoon_read(platoon, backend->front, backend->model.values, &request)) return false;
-    if (!choose_shape(backend->front, &platoon->constants, &platoon->weights, platoon->T, &request, &platoon->shape,
-                      &in_domain))
+    if (!choose_shape(backend->front, &platoon->constants, &platoon->weights, platoon->T, &request, &platoon->shape))
         return false;
     part->period = 0;
     part->fraction = 0.0;

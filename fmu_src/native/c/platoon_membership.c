@@ -9,8 +9,7 @@
 static double is_in_domain(const Platoon *platoon)
 {
     const Instant *now = &platoon->now;
-    const int n = (int)now->n;
-    return network_for(n) && !outside_domain(n, now->s, now->v, &platoon->constants) ? 1.0 : 0.0;
+    return lies_in_domain((int)now->n, now->s, now->v, &platoon->constants) ? 1.0 : 0.0;
 }
 
 void part_begin(Part *part, int n)

@@ -24,12 +24,10 @@ static void begin_trial(Work *work)
 bool trial_choose(Work *work)
 {
     Platoon *trial = &work->trial;
-    bool in_domain;
     work->request.n = (int)trial->now.n;
     work->request.s = trial->now.s;
     work->request.v = trial->now.v;
-    return choose_shape(work->front, &trial->constants, &trial->weights, trial->T, &work->request, &trial->shape,
-                        &in_domain);
+    return choose_shape(work->front, &trial->constants, &trial->weights, trial->T, &work->request, &trial->shape);
 }
 
 /* Puts the vehicle into the trial; whether all gaps then exceed L. */

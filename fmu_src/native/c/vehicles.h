@@ -88,15 +88,15 @@ bool require_feasible(Front *front, const Shape *shape, const Constants *constan
 bool project(Front *front, Shape *shape, const Constants *constants);
 
 /* network.c: whether there is a network for n vehicles; its answer first, then the triples it ranks highest, and
- * how many there are; NULL, or why the network's answer does not hold for a start. */
+ * how many there are; NULL, or why the network's answer does not hold for a start; whether there is one and it does. */
 bool network_for(int n);
 int network_candidates(int n, const double *s, const double *v, int count, Shape *candidates);
 const char *outside_domain(int n, const double *s, const double *v, const Constants *constants);
+bool lies_in_domain(int n, const double *s, const double *v, const Constants *constants);
 
-/* choice.c: the potential for the vehicles of the request, and whether it is a network's (in_domain); the warning
- * that a quiet choice kept to itself. */
+/* choice.c: the potential for the vehicles of the request; the warning that a quiet choice kept to itself. */
 bool choose_shape(Front *front, const Constants *constants, const Weights *weights, double T, const Request *request,
-                  Shape *shape, bool *in_domain);
+                  Shape *shape);
 void warn_of_fallback(Front *front, const Constants *constants, const Request *request);
 
 #endif
