@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import asdict
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +17,30 @@ from ..interface.controller import controller_table
 from ..interface.meaning import constants_of, weights_of
 from ..interface.variables import Variable
 from .network_files import networks_of
-from .state_check import bound, clock, count, flag, number, potential, record, require, variables, vector
+from .slave_state import IN_MEMORY, SlaveState
+from .state_check import bound, count, flag, number, potential, record, require, vector
 from .table_slave import LONGEST, TableSlave, logged
 
-_SAVED = ("_values", "_clock", "_initialising", "_sampled", "_set_at", "_fresh")
+_KEPT = ("sampled", "set_at", "fresh", "now", "ahead")
+
+
+@dataclass(frozen=True, eq=False)
+class _Kept:
+    """What a state keeps of a controller.
+
+    Attributes
+    ----------
+    sampled, set_at, fresh, ahead : as the slave has them
+    now : the last decision
+    controller : with what the parameters say
+    """
+
+    sampled: int
+    set_at: float
+    fresh: bool
+    now: Command
+    ahead: Command | None
+    controller: SampledController = field(metadata=IN_MEMORY)
 
 
 class PspController(TableSlave):
@@ -55,6 +75,9 @@ class PspController(TableSlave):
         settings = self._settings()
         self._clock = Clock.begin(self._clock.time, self._value("phase"), settings.sampling.T)
         self._set_at = self._here()  # what was set before belongs to the start
+        return self._made(settings)
+
+    def _made(self, settings: ControllerSettings) -> SampledController:
         return SampledController.begin(settings, self._networks, self._warn, self._trained)
 
     def _settings(self) -> ControllerSettings:
@@ -147,44 +170,25 @@ class PspController(TableSlave):
 
     # the whole state
 
-    def _state(self) -> dict[str, Any]:
-        state = {name: getattr(self, name) for name in _SAVED} | {"_values": tuple(self._values)}
-        return state | {"now": self._part and self._part.now, "ahead": self._ahead}
+    def _kept(self, controller: SampledController) -> _Kept:
+        return _Kept(self._sampled, self._set_at, self._fresh, controller.now, self._ahead, controller)
 
-    def _become_state(self, state: dict[str, Any]) -> None:
-        for name in _SAVED:
-            setattr(self, name, state[name])
-        self._values, self._ahead, self._stale = list(state["_values"]), state["ahead"], True
-        self._clock, self._part = Clock(*state["_clock"]), None
-        if state["now"] is not None:
-            clock, self._part = self._clock, self._initialise()
-            self._clock, self._set_at, self._part.now = clock, state["_set_at"], state["now"]
+    def _taken_up(self, kept: _Kept) -> SampledController:
+        self._sampled, self._set_at, self._fresh, self._ahead = kept.sampled, kept.set_at, kept.fresh, kept.ahead
+        return replace(kept.controller, now=kept.now, warn=self._warn)
 
-    @staticmethod
-    def _as_json(state: dict[str, Any]) -> dict[str, Any]:
-        return state | {name: state[name] and _pack(state[name]) for name in ("now", "ahead")}
+    def _become_state(self, state: SlaveState) -> None:
+        self._sampled, self._set_at, self._fresh, self._ahead = 0, 0.0, True, None
+        super()._become_state(state)
 
-    def _restore(self, data: Any) -> dict[str, Any]:
-        state = record(data, (*_SAVED, "now", "ahead"))
-        values = variables(state["_values"], self._integers)
-        here, set_at, sampled = clock(state["_clock"]), number(state["_set_at"]), count(state["_sampled"])
+    def _restored(self, data: Any, here: Clock) -> _Kept:
+        kept, settings = record(data, _KEPT), self._settings()
+        set_at, sampled = number(kept["set_at"]), count(kept["sampled"])
         require(set_at <= here.period + here.offset + 1.0)
-        found = {"_clock": here, "_set_at": set_at, "_sampled": sampled, "_values": values}
-        found |= {name: flag(state[name]) for name in ("_initialising", "_fresh")}
-        require(state["now"] is not None or state["ahead"] is None)
-        if state["now"] is None:
-            return found | {"now": None, "ahead": None}
-        with self._with_values(values[: self._first_output]):
-            settings = self._settings()
         require(abs(sampled - here.period) <= 2)  # or a step would pass others without end
-        ahead = None if state["ahead"] is None else _unpack(state["ahead"], settings)
-        return found | {"now": _unpack(state["now"], settings), "ahead": ahead}
-
-
-def _pack(command: Command) -> dict[str, Any]:
-    fields = {name: getattr(command, name) for name in Command.__dataclass_fields__}
-    arrays = {"a": command.a.tolist(), "saturated": command.saturated.tolist()}
-    return fields | arrays | {"shape": asdict(command.shape)}
+        now = _unpack(kept["now"], settings)
+        ahead = None if kept["ahead"] is None else _unpack(kept["ahead"], settings)
+        return _Kept(sampled, set_at, flag(kept["fresh"]), now, ahead, self._made(settings))
 
 
 def _unpack(data: Any, settings: ControllerSettings) -> Command:

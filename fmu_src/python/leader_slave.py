@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import isfinite
 from pathlib import Path
@@ -14,11 +15,23 @@ from psp_model.vehicles.leader import Profile, Wave, read_profile
 
 from ..interface.leader import leader_table
 from ..interface.variables import Variable
-from .state_check import flag, record, restored_basics
+from .slave_state import IN_MEMORY
+from .state_check import record
 from .table_slave import TableSlave, logged
 
-_SAVED = ("_values", "_clock", "_initialising")
 _SECOND = 1.0  # [s] the period of its clock: it samples nothing, but meets whole seconds as others meet instants
+
+
+@dataclass(frozen=True)
+class _Ready:
+    """What a state keeps of a leader: that there is one.
+
+    Attributes
+    ----------
+    speed : what the parameters say
+    """
+
+    speed: Callable[[float], float] = field(metadata=IN_MEMORY)
 
 
 class PspLeader(TableSlave):
@@ -51,24 +64,14 @@ class PspLeader(TableSlave):
         self._clock, self._stale = self._clock.after(current_time, step_size, _SECOND), True
         return True
 
-    def _state(self) -> dict[str, Any]:
-        state = {name: getattr(self, name) for name in _SAVED} | {"_values": tuple(self._values)}
-        return state | {"ready": self._part is not None}
+    # the whole state: nothing but the time and what the parameters say
 
-    def _become_state(self, state: dict[str, Any]) -> None:
-        for name in _SAVED:
-            setattr(self, name, state[name])
-        self._values, self._clock, self._stale = list(state["_values"]), Clock(*state["_clock"]), True
-        self._part = self._initialise() if state["ready"] else None
+    def _kept(self, speed: Callable[[float], float]) -> _Ready:
+        return _Ready(speed)
 
-    @staticmethod
-    def _as_json(state: dict[str, Any]) -> dict[str, Any]:
-        return state
+    def _taken_up(self, kept: _Ready) -> Callable[[float], float]:
+        return kept.speed
 
-    def _restore(self, data: Any) -> dict[str, Any]:
-        state = record(data, (*_SAVED, "ready"))
-        found = restored_basics(state, self._integers) | {"ready": flag(state["ready"])}
-        if found["ready"]:
-            with self._with_values(found["_values"]):
-                self._initialise()  # raises where the parameters cannot have been taken
-        return found
+    def _restored(self, data: Any, here: Clock) -> _Ready:
+        record(data, ())
+        return _Ready(self._initialise())  # raises where the parameters cannot have been taken

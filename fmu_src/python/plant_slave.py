@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from math import nextafter
 from sys import float_info
 from typing import Any
@@ -19,11 +20,10 @@ from psp_model.vehicles.ideal import IdealPlant
 
 from ..interface.plant import plant_table
 from ..interface.variables import Variable
-from .state_check import count, fresh, number, record, require, restored_basics, vector
+from .state_check import count, number, record, require, vector
 from .table_slave import TableSlave, logged
 
 _LEAST, _MOST = nextafter(0.0, 1.0), float_info.max
-_SAVED = ("_values", "_clock", "_initialising")
 
 
 class PspPlant(TableSlave):
@@ -59,39 +59,14 @@ class PspPlant(TableSlave):
 
     # the whole state
 
-    def _state(self) -> dict[str, Any]:
-        state = {name: getattr(self, name) for name in _SAVED} | {"_values": tuple(self._values)}
-        plant = self._part and {"T": self._part.T, "period": self._part.period, "now": _pack(self._part.now)}
-        return state | {"plant": plant}
+    def _kept(self, plant: IdealPlant) -> IdealPlant:
+        return copy(plant)
 
-    def _become_state(self, state: dict[str, Any]) -> None:
-        for name in _SAVED:
-            setattr(self, name, state[name])
-        self._values, self._stale, plant = list(state["_values"]), True, state["plant"]
-        self._clock = Clock(*state["_clock"])
-        self._part = plant and IdealPlant(_unpack(plant["now"]), plant["T"], plant["period"])
+    def _taken_up(self, kept: IdealPlant) -> IdealPlant:
+        return copy(kept)
 
-    @staticmethod
-    def _as_json(state: dict[str, Any]) -> dict[str, Any]:
-        return state
-
-    def _restore(self, data: Any) -> dict[str, Any]:
-        state = record(data, (*_SAVED, "plant"))
-        found = restored_basics(state, self._integers)
-        if state["plant"] is None:
-            fresh(found["_clock"])
-            return found | {"plant": None}
-        plant = record(state["plant"], ("T", "period", "now"))
-        now, T, period = record(plant["now"], ("x", "s", "v")), number(plant["T"]), count(plant["period"])
-        require(T > 0.0 and abs(found["_clock"].period - period) <= 2)
-        n = self.vehicles
-        number(now["x"]), vector(now["s"], n - 1), vector(now["v"], n)
-        return found | {"plant": plant}
-
-
-def _pack(motion: Motion) -> dict[str, Any]:
-    return {"x": motion.x, "s": motion.s.tolist(), "v": motion.v.tolist()}
-
-
-def _unpack(packed: dict[str, Any]) -> Motion:
-    return Motion(packed["x"], np.array(packed["s"]), np.array(packed["v"]))
+    def _restored(self, data: Any, here: Clock) -> IdealPlant:
+        plant, n = record(data, IdealPlant.__dataclass_fields__), self.vehicles
+        now, T, period = record(plant["now"], Motion._fields), number(plant["T"]), count(plant["period"])
+        require(T > 0.0 and abs(here.period - period) <= 2)
+        return IdealPlant(Motion(number(now["x"]), vector(now["s"], n - 1), vector(now["v"], n)), T, period)

@@ -6,8 +6,7 @@ around this slave, returns that status from the FMI call.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from copy import copy
+from collections.abc import Callable
 from dataclasses import replace
 from math import inf, nextafter
 from pathlib import Path
@@ -29,7 +28,8 @@ from ..interface.meaning import constants_of, start_of, weights_of
 from ..interface.platoon import platoon_table
 from ..interface.variables import Variable
 from .network_files import networks_of
-from .slave_state import Description, Members, SlaveState, from_json, to_json
+from .platoon_state import Description, Kept, Members, kept_of, restored
+from .slave_state import SlaveState
 from .table_slave import LONGEST, TableSlave, logged
 
 Vector = NDArray[np.float64]
@@ -174,33 +174,21 @@ class PspPlatoon(TableSlave):
 
     # the whole state
 
-    def _state(self) -> Any:
-        return SlaveState(
-            values=tuple(self._values[: self._first_output]),
-            clock=self._clock,
-            in_domain=self._in_domain,
-            initialising=self._initialising,
-            members=self._members,
-            platoon=copy(self._part),
-        )
+    def _kept(self, platoon: SampledPlatoon) -> Kept:
+        return kept_of(platoon, self._members, self._in_domain)
 
-    def _become_state(self, state: Any) -> None:
-        self._values[: self._first_output] = state.values
-        self._clock, self._in_domain = state.clock, state.in_domain
-        self._initialising, self._stale = state.initialising, True
-        self._become(state.members)
-        self._part = copy(state.platoon)
-        if self._part is not None:
-            self._part.warn = self._warn
+    def _taken_up(self, kept: Kept) -> SampledPlatoon:
+        self._in_domain = kept.in_domain
+        self._become(kept.members)
+        return SampledPlatoon(kept.loop, kept.sampling, kept.now, self._warn)
 
-    _as_json: Any = staticmethod(to_json)
+    def _become_state(self, state: SlaveState) -> None:
+        self._in_domain = 0.0
+        self._become(Members())
+        super()._become_state(state)
 
-    def _restore(self, data: Any) -> SlaveState:
-        def describe(values: Sequence[float]) -> Description:
-            with self._with_values(values):
-                return self._describe()
-
-        return from_json(data, self._integers[: self._first_output], self.vehicles, describe)
+    def _restored(self, data: Any, here: Clock) -> Kept:
+        return restored(data, here, self.vehicles, self._describe())
 
 
 def _gone_back(platoon: SampledPlatoon, before: Clock, begin: float) -> Clock:

@@ -61,12 +61,13 @@ def clock(value: Any) -> Clock:
 
     Parameters
     ----------
-    value : from JSON, the fields of a clock in their order
+    value : from JSON, the fields of a clock by name
     """
-    require(isinstance(value, list) and len(value) == len(Clock._fields))
-    first, time, period, offset, last, doubt = value
-    require(type(period) is int and abs(period) < MOST_PERIODS and abs(number(offset)) <= 1.0)
-    return Clock(number(first), number(time), period, number(offset), number(last, 0.0), number(doubt, 0.0))
+    fields = record(value, Clock._fields)
+    period, offset = fields["period"], number(fields["offset"])
+    require(type(period) is int and abs(period) < MOST_PERIODS and abs(offset) <= 1.0)
+    last, doubt = number(fields["last"], 0.0), number(fields["doubt"], 0.0)
+    return Clock(number(fields["first"]), number(fields["time"]), period, offset, last, doubt)
 
 
 def fresh(here: Clock) -> None:
@@ -117,18 +118,3 @@ def potential(value: Any, constants: PlatoonParameters, old: bool) -> PotentialP
         require(shape.hill == 1.0 and ALPHA_MIN <= shape.alpha <= ALPHA_MAX and P_MIN <= shape.p <= P_MAX)
         require(constants.L < shape.r <= constants.lam)
     return shape
-
-
-def restored_basics(state: dict[str, Any], integers: Sequence[bool]) -> dict[str, Any]:
-    """What the states of plant and leader share: values of all variables, the clock, whether initialising.
-
-    Parameters
-    ----------
-    state : from JSON
-    integers : for each variable, whether it is an Integer
-    """
-    return {
-        "_values": variables(state["_values"], integers),
-        "_clock": clock(state["_clock"]),
-        "_initialising": flag(state["_initialising"]),
-    }

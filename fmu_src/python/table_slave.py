@@ -27,6 +27,7 @@ from psp_model.selection.selectors import Request
 from ..errors import FmiError
 from ..interface.meaning import choice_of, request_of, sampling_of
 from ..interface.variables import Variable
+from .slave_state import SlaveState, as_json, from_json
 from .surroundings import Unsuitable, one_line
 
 CONFIG = "platoon.json"  # what build_fmu.py decided: how many vehicles, which networks
@@ -213,22 +214,41 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
 
     # the whole state
 
-    def _state(self) -> Any:
+    def _kept(self, part: Any) -> Any:
+        """What a state keeps of the part, which nothing that happens later changes."""
+        raise NotImplementedError
+
+    def _taken_up(self, kept: Any) -> Any:
+        """The part from what a state has kept of it."""
+        raise NotImplementedError
+
+    def _restored(self, data: Any, here: Clock) -> Any:
+        """What a state keeps, from JSON, every field checked; ValueError where no run can come to it.
+
+        Parameters and inputs have the values of that state meanwhile.
+        """
+        raise NotImplementedError
+
+    def _state(self) -> SlaveState:
         """Everything that the slave's future depends on."""
-        raise NotImplementedError
+        kept = None if self._part is None else self._kept(self._part)
+        return SlaveState(tuple(self._values[: self._first_output]), self._clock, self._initialising, kept)
 
-    def _become_state(self, state: Any) -> None:
+    def _become_state(self, state: SlaveState) -> None:
         """Go on from there."""
-        raise NotImplementedError
+        self._values = [*state.values, *[0.0] * (len(self._values) - len(state.values))]
+        self._clock, self._initialising, self._stale = state.clock, state.initialising, True
+        self._part = None if state.part is None else self._taken_up(state.part)
 
-    @staticmethod
-    def _as_json(state: Any) -> Any:
-        """The state as JSON, in which every number reads back exactly."""
-        raise NotImplementedError
-
-    def _restore(self, data: Any) -> Any:
+    def _restore(self, data: Any) -> SlaveState:
         """The state that JSON holds, every field checked; ValueError where no run can come to it."""
-        raise NotImplementedError
+
+        def part(data: Any, values: Sequence[float], here: Clock) -> Any:
+            with self._with_values(values):
+                return self._restored(data, here)
+
+        integers = [row.integer for row in self._table[: self._first_output]]
+        return from_json(data, integers, part)
 
     @logged
     def _get_fmu_state(self) -> Any:
@@ -252,16 +272,11 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
 
     @classmethod
     def _fmu_state_to_bytes(cls, state: Any) -> bytes:
-        return state.data if isinstance(state, StateOfBytes) else json.dumps(cls._as_json(state)).encode()
+        return state.data if isinstance(state, StateOfBytes) else json.dumps(as_json(state)).encode()
 
     @staticmethod
     def _fmu_state_from_bytes(data: bytes) -> StateOfBytes:
         return StateOfBytes(data)
-
-    @property
-    def _integers(self) -> list[bool]:
-        """For each variable, whether it is an Integer."""
-        return [row.integer for row in self._table]
 
     @contextmanager
     def _with_values(self, values: Sequence[float]) -> Iterator[None]:

@@ -1,4 +1,4 @@
-/* Whether the closed loop can be as bytes say: mirrors fmu_src/python/slave_state.py.  What follows from the
+/* Whether the closed loop can be as bytes say: mirrors fmu_src/python/platoon_state.py.  What follows from the
  * parameters is computed anew, the rest is checked. */
 #include <math.h>
 #include <stdlib.h>
