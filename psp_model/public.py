@@ -43,11 +43,12 @@ def numbers(values: ArrayLike) -> Array:
     if hasattr(values, "shape"):
         return cast(Array, values)
     try:
-        if values is None:  # which NumPy takes for NaN
-            raise TypeError
-        return np.asarray(values, dtype=np.float64)
+        found = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):
         raise ModelError("numbers", shortened(repr(values))) from None
+    if values is None:  # which NumPy takes for NaN
+        raise ModelError("numbers", values)
+    return found
 
 
 def filled(struct: Struct) -> Struct:
