@@ -63,7 +63,9 @@ class Commands(TyperGroup):
             typer.echo(f"psp: {_one_line(_of_a_file(error))}", err=True)
             raise typer.Exit(2) from None
         except MemoryError:
-            typer.echo("psp: there is no memory left for this: ask for less, or give it files of usual size", err=True)
+            typer.echo(
+                "psp: out of memory: reduce the number of starts or of vehicles, or the size of the files", err=True
+            )
             raise typer.Exit(2) from None
         except Exception as error:
             if not of_the_user(error):
@@ -85,7 +87,7 @@ def _of_a_file(error: OSError) -> str:
     import errno
 
     full = error.errno in (errno.ENOSPC, errno.EFBIG, errno.EDQUOT)
-    remedy = "make room there" if full else "mend that"
+    remedy = "make room there" if full else "fix its permissions"
     place = error.filename2 or error.filename or "a file"
     return f"{place} cannot be read or written ({error.strerror or error}): {remedy}, or choose another place"
 

@@ -37,7 +37,7 @@ Network = Annotated[
 
 Plot = Annotated[
     Path | None,
-    typer.Option(metavar="FILE.png|svg|pdf", help="Draw gaps, accelerations and speeds, as what the ending says."),
+    typer.Option(metavar="FILE.png|svg|pdf", help="Draw spacings, accelerations and speeds, as what the ending says."),
 ]
 Json = Annotated[
     str | None,

@@ -26,7 +26,7 @@ class _Strict(BaseModel):
 
 
 class StartTable(_Strict):
-    """`[start]`: gaps and speeds, or a seed to draw them by from the networks' training domain."""
+    """`[start]`: gaps (spacings) and speeds, or a seed to draw them by from the networks' training domain."""
 
     gaps: list[Number] | None = None
     speeds: list[Number] | None = None
@@ -228,5 +228,5 @@ def drawn(seed: int, vehicles: int, domain: StartDomain | None = None) -> dict[s
     domain : the paper's by default
     """
     s, v = (domain or StartDomain()).draw(np.random.default_rng(seed), vehicles, 1)
-    values = {f"s_start[{i}]": float(gap) for i, gap in enumerate(s[:, 0], start=2)}
+    values = {f"s_start[{i}]": float(spacing) for i, spacing in enumerate(s[:, 0], start=2)}
     return values | {f"v_start[{i}]": float(speed) for i, speed in enumerate(v[:, 0], start=1)}

@@ -58,7 +58,7 @@ def sumo(
     ] = None,
     plot: Annotated[
         Path | None,
-        typer.Option(metavar="FILE.png|svg|pdf", help="Draw the gaps of the first start, or what the sweep gave."),
+        typer.Option(metavar="FILE.png|svg|pdf", help="Draw the spacings of the first start, or what the sweep gave."),
     ] = None,
     json: Json = None,
 ) -> None:

@@ -14,21 +14,21 @@ from typing import Any, ClassVar
 
 SENTENCES = {
     "finite": "%s must be a finite number, not %.10g: give it a value in %s",
-    "L": "L = %.10g m must be positive: it is the smallest allowable gap, give it a length above 0 m",
+    "L": "L = %.10g m must be positive: it is the smallest allowable spacing, give it a length above 0 m",
     "lambda": "lambda = %.10g m must exceed L + 3 m = %.10g m: the hill is 3 m wide and lies between L and lambda, "
     "raise lambda or lower L",
     "v_max": "v_max = %.10g m/s must be positive: it is the speed limit, give it a speed above 0 m/s",
     "v_star": "v_star = %.10g m/s must lie strictly between 0 m/s and v_max = %.10g m/s: lower v_star or raise v_max",
     "v_star_backwards": "v_star = %.10g m/s must lie strictly between 0 m/s and v_max = %.10g m/s: give it a speed "
     "above 0 m/s",
-    "epsilon": "epsilon = %.10g m/s2 must be positive: it is the width over which f is smoothed, "
-    "give it a value above 0 m/s2",
+    "epsilon": "epsilon = %.10g m/s2 must be positive: it is the width over which f is smoothed, give it a value "
+    "above 0 m/s2",
     "mu": "mu = %.10g 1/s must be positive: it is the smallest feedback gain, give it a value above 0 1/s",
     "z": "z = %.10g m/s2 must be positive: it limits |V_new'| on the hill, give it a value above 0 m/s2",
     "w1": "w1 = %.10g must not be negative: it weighs acceleration in J, give it 0 or more",
-    "w2": "w2 = %.10g must not be negative: it weighs the gaps in J, give it 0 or more",
+    "w2": "w2 = %.10g must not be negative: it weighs the spacings in J, give it 0 or more",
     "a_ref": "a_ref = %.10g m/s2 must be positive: it scales acceleration in J, give it a value above 0 m/s2",
-    "s_ref": "s_ref = %.10g m must be positive: it scales the gaps in J, give it a length above 0 m",
+    "s_ref": "s_ref = %.10g m must be positive: it scales the spacings in J, give it a length above 0 m",
     "not_negative": "%s = %.10g %s must not be negative: give it 0 %s or more",
     "feedforward": "feedforward = %.10g must lie in [0, 1]: it is the commanded share of the followed vehicle's "
     "acceleration",
@@ -36,32 +36,32 @@ SENTENCES = {
     "following": "following = %d must be 1, the nearest vehicle ahead that is not automated, or 2, the predecessor: "
     "choose one of them",
     "length": "length[%d] = %.10g m must be positive: give vehicle %d a length above 0 m",
-    "command_limits": "a_min[%d] = %.10g m/s2 must be negative and a_max[%d] = %.10g m/s2 positive: a vehicle has "
-    "to be able to brake and to accelerate",
+    "command_limits": "a_min[%d] = %.10g m/s2 must be negative and a_max[%d] = %.10g m/s2 positive: a vehicle has to "
+    "be able to brake and to accelerate",
     "older": "what is measured is %.10g s old, more than oldest = %.10g s, for which commands are remembered: raise "
     "oldest, or measure more often",
     "T": "T = %.10g s must be positive: it is the sampling period, give it a time above 0 s",
     "alpha": "alpha = %.10g must lie in [%.10g, %.10g]: choose alpha inside these bounds",
     "r": "r = %.10g m must exceed L = %.10g m and not exceed lambda - 3 m = %.10g m: choose r inside these bounds",
     "p": "p = %.10g must lie in [%.10g, %.10g]: choose p inside these bounds",
-    "slope": "max |V_new'| = %.10g m/s2 on [r, r + 3 m] for alpha = %.10g, r = %.10g m, p = %.10g must not exceed "
-    "z = %.10g m/s2: lower p, raise r or raise z",
+    "slope": "max |V_new'| = %.10g m/s2 on [r, r + 3 m] for alpha = %.10g, r = %.10g m, p = %.10g must not exceed z "
+    "= %.10g m/s2: lower p, raise r or raise z",
     "empty": "no alpha, r, p keeps max |V_new'| on the hill below z = %.10g m/s2: raise z or widen lambda - L",
     "vehicles": "%d vehicles are too few: a platoon has at least 2",
-    "shape": "%d gaps and %d speeds do not belong to one platoon: n vehicles have n - 1 gaps and n speeds",
-    "gap": "gap s[%d] = %.10g m must exceed L = %.10g m: start the vehicles further apart or lower L",
-    "gap_order": "gap s[%d] = %.10g m must be above 0 m: start vehicle %d behind vehicle %d",
+    "shape": "%d spacings and %d speeds do not belong to one platoon: n vehicles have n - 1 spacings and n speeds",
+    "gap": "spacing s[%d] = %.10g m must exceed L = %.10g m: start the vehicles further apart or lower L",
+    "gap_order": "spacing s[%d] = %.10g m must be above 0 m: start vehicle %d behind vehicle %d",
     "speed": "speed v[%d] = %.10g m/s must lie in [0, %.10g] m/s: start vehicle %d no faster than v_max, or raise "
     "v_max",
     "speed_backwards": "speed v[%d] = %.10g m/s must lie in [0, %.10g] m/s: start vehicle %d at 0 m/s or more",
     "lemma1_gap": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1), as vehicle %d could close its "
-    "gap s[%d] = %.10g m to L = %.10g m at v_max = %.10g m/s within T: choose T < %.10g s, or lemma1_policy 3",
-    "lemma1_fast": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1), as vehicle %d, at "
-    "v[%d] = %.10g m/s with a[%d] = %.10g m/s2, would reach v_max = %.10g m/s within "
-    "T: choose T < %.10g s, or lemma1_policy 3",
-    "lemma1_slow": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1), as vehicle %d, at "
-    "v[%d] = %.10g m/s with a[%d] = %.10g m/s2, would come to a stop, %.10g m/s, within "
-    "T: choose T < %.10g s, or lemma1_policy 3",
+    "spacing s[%d] = %.10g m to L = %.10g m at v_max = %.10g m/s within T: choose T < %.10g s, or lemma1_policy 3",
+    "lemma1_fast": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1), as vehicle %d, at v[%d] = "
+    "%.10g m/s with a[%d] = %.10g m/s2, would reach v_max = %.10g m/s within T: choose T < %.10g s, or lemma1_policy "
+    "3",
+    "lemma1_slow": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1), as vehicle %d, at v[%d] = "
+    "%.10g m/s with a[%d] = %.10g m/s2, would come to a stop, %.10g m/s, within T: choose T < %.10g s, or "
+    "lemma1_policy 3",
     "choice": "%s = %d must lie in %d to %d: choose one of these whole numbers",
     "count": "%s = %d must be at least 1: choose a larger whole number",
     "horizon": "rollout_horizon = %.10g s must be positive and finite: give it a time above 0 s",
@@ -70,8 +70,8 @@ SENTENCES = {
     "network_damaged": "the network file %s is not a readable ONNX file: put an undamaged one in its place, or use "
     "parameter_source 2",
     "network_shape": "the network file %s has inputs %s and outputs %s, but initial_condition [batch, 2n-1], or gaps "
-    "[batch, n-1] and speeds [batch, n] for any n, and parameters [batch, 3] are needed: export it with psp train, or "
-    "use parameter_source 2",
+    "[batch, n-1] and speeds [batch, n] for any n, and parameters [batch, 3] are needed: export it with psp train, "
+    "or use parameter_source 2",
     "network_metadata": "the network file %s lacks readable psp_vehicles (or psp_vehicles_min and psp_vehicles_max), "
     "psp_domain or psp_constants in its metadata: export it with psp train, or use parameter_source 2",
     "network_range": "the network file %s is made for %d to %d vehicles, not for %d: use one for this platoon, or "
@@ -79,8 +79,8 @@ SENTENCES = {
     "network_vehicles": "the network file %s is made for %d vehicles, not for %d: use the one for this platoon, or "
     "parameter_source 2",
     "fallback": "the initial state has %s: alpha = %.10g, r = %.10g m, p = %.10g are used instead of the network's",
-    "left_gap": "gap s[%d] = %.10g m has fallen to L = %.10g m at t = %.10g s, where the model ends: choose a smaller "
-    "T, or lemma1_policy 3",
+    "left_gap": "spacing s[%d] = %.10g m has fallen to L = %.10g m at t = %.10g s, where the model ends: choose a "
+    "smaller T, or lemma1_policy 3",
     "networks": "%s holds no networks, although this project brings some: install it anew, or put the folder back",
     "onnxruntime": "the Python %s cannot import onnxruntime (%s): run %s -m pip install onnxruntime, or use "
     "parameter_source 2, or the native FMU",
@@ -94,13 +94,13 @@ SENTENCES = {
     "same number of vehicles, at least 2, and the same constants",
     "batch_potentials": "%d potentials do not fit %d starts: give one for all, or one for each",
     "output_step": "output_step = %.10g s must be positive and finite: give it a time above 0 s",
-    "a_min": "a_min = %.10g m/s2 must be negative, as a vehicle has to be able to slow down: give it a value below "
-    "0 m/s2",
+    "a_min": "a_min = %.10g m/s2 must be negative, as a vehicle has to be able to slow down: give it a value below 0 "
+    "m/s2",
     "a_max": "a_max = %.10g m/s2 must be positive, as a vehicle has to be able to speed up: give it a value above 0 "
     "m/s2",
     "a_safe": "a_safe = %.10g m/s2 must not be below a_min = %.10g m/s2: raise a_safe or lower a_min",
-    "a_safe_positive": "a_safe = %.10g m/s2 must not be above 0 m/s2, as the safe action slows down: give it 0 m/s2 or "
-    "less",
+    "a_safe_positive": "a_safe = %.10g m/s2 must not be above 0 m/s2, as the fail-safe command slows down: give it 0 "
+    "m/s2 or less",
     "max_age": "max_age = %.10g s must be positive: it is the greatest age of an input, give it a time above 0 s",
     "phase": "phase = %.10g s must be at least 0 s and below T = %.10g s: it is the time of the first sampling instant",
     "active": "n_active = %.10g must be a whole number from 1 to %d: set the number of vehicles that are controlled",
@@ -108,35 +108,36 @@ SENTENCES = {
     "v_desired_backwards": "v_desired = %.10g m/s is below 0 m/s: give it 0 m/s to stand, or -1 m/s for v_star",
     "v_desired_finite": "v_desired = %.10g m/s is not a finite number: give it a speed from 0 m/s to v_max = %.10g "
     "m/s, or -1 m/s for v_star",
-    "measured_gap": "the measured gap s[%d] = %.10g m does not exceed L = %.10g m, and no feedback is defined there: "
-    "keep the vehicles apart, check the sensor, or lower L",
-    "measured_order": "the measured gap s[%d] = %.10g m is not above 0 m, as if vehicle %d were not behind vehicle %d: "
-    "number the vehicles from the front, or check the sensor",
+    "measured_gap": "the measured spacing s[%d] = %.10g m does not exceed L = %.10g m, and no feedback is defined "
+    "there: keep the vehicles apart, check the sensor, or lower L",
+    "measured_order": "the measured spacing s[%d] = %.10g m is not above 0 m, as if vehicle %d were not behind "
+    "vehicle %d: number the vehicles from the front, or check the sensor",
     "measured_speed": "the measured speed v[%d] = %.10g m/s is above v_max = %.10g m/s, and no feedback is defined "
     "there: slow the vehicle down, check the sensor, or raise v_max",
     "measured_backwards": "the measured speed v[%d] = %.10g m/s is below 0 m/s, and no feedback is defined for a "
     "vehicle that rolls backwards: stop it, or check the sensor's zero",
     "stale": "the inputs are %.10g s old, more than max_age = %.10g s: measure more often, or raise max_age",
-    "age": "the inputs are %.10g s old, which is not a finite number: set t_measured to the time of measurement, or to "
-    "-1 s for the time at which they are set",
-    "safe_action": "the safe action is taken at t = %.10g s: %s",
-    "lemma1_controller": "T = %.10g s is not below T_max = %.10g s at t = %.10g s for the measured gaps and speeds "
-    "(Lemma 1): choose T < %.10g s, or lemma1_policy 2",
-    "lemma1_controller_gap": "T = %.10g s is not below T_max = %.10g s at t = %.10g s for the measured gap "
-    "s[%d] = %.10g m (Lemma 1): keep that gap above %.10g m, choose T < %.10g s, or lemma1_policy 2",
-    "full": "a vehicle more than %d does not fit: remove one first, or build the FMU for more",
+    "age": "the inputs are %.10g s old, which is not a finite number: set t_measured to the time of measurement, or "
+    "to -1 s for the time at which they are set",
+    "safe_action": "the fail-safe command is given at t = %.10g s: %s",
+    "lemma1_controller": "T = %.10g s is not below T_max = %.10g s at t = %.10g s for the measured spacings and "
+    "speeds (Lemma 1): choose T < %.10g s, or lemma1_policy 2",
+    "lemma1_controller_gap": "T = %.10g s is not below T_max = %.10g s at t = %.10g s for the measured spacing s[%d] "
+    "= %.10g m (Lemma 1): keep that spacing above %.10g m, choose T < %.10g s, or lemma1_policy 2",
+    "full": "the platoon is full (%d vehicles): remove one first, or build the FMU for more",
     "place": "%s = %.10g must be a whole number from %d to %d: name a vehicle of the platoon",
     "last": "the last vehicle cannot leave: a platoon has at least 1",
     "insert_speed": "the joining vehicle's speed %.10g m/s must lie in [0, %.10g] m/s: let it join no faster than "
     "v_max",
-    "insert_finite": "the joining vehicle's speed %.10g m/s must be a finite number: let it join at a speed from 0 m/s "
-    "to v_max = %.10g m/s",
+    "insert_finite": "the joining vehicle's speed %.10g m/s must be a finite number: let it join at a speed from 0 "
+    "m/s to v_max = %.10g m/s",
     "insert_backwards": "the joining vehicle's speed %.10g m/s must lie in [0, %.10g] m/s: let it join at 0 m/s or "
     "more",
-    "insert_gap": "a vehicle cannot join at place %d with a gap of %.10g m at %.10g m/s, where T = %.10g s would not "
-    "be below T_max (Lemma 1): a gap of %.10g m would do",
-    "insert_none": "a vehicle cannot join at place %d with a gap of %.10g m at %.10g m/s, where T = %.10g s would not "
-    "be below T_max (Lemma 1): no gap would do there now, let it join at another place, speed or time",
+    "insert_gap": "a vehicle cannot join at place %d with a spacing of %.10g m at %.10g m/s, where T = %.10g s would "
+    "not be below T_max (Lemma 1): a spacing of %.10g m would be accepted",
+    "insert_none": "a vehicle cannot join at place %d with a spacing of %.10g m at %.10g m/s, where T = %.10g s "
+    "would not be below T_max (Lemma 1): no spacing would be accepted there now, let it join at another place, speed "
+    "or time",
     "wave": "v_low = %.10g m/s must not exceed v_high = %.10g m/s: raise v_high or lower v_low",
     "wave_backwards": "v_low = %.10g m/s must not be negative: give it a speed of 0 m/s or more",
     "wave_period": "period = %.10g s must be positive: give the wave a time above 0 s",
@@ -145,15 +146,14 @@ SENTENCES = {
     "[s] and speed [m/s]",
     "profile_rows": "the speed profile %s has %d rows of time and speed: give it at least 2",
     "profile_time": "time %.10g s in row %d of the speed profile %s does not come after %.10g s: let times increase",
-    "profile_speed": "speed %.10g m/s in row %d of the speed profile %s must lie in [0, %.10g] m/s: use a part of the "
-    "profile that does, with speeds in m/s",
+    "profile_speed": "speed %.10g m/s in row %d of the speed profile %s must lie in [0, %.10g] m/s: use a part of "
+    "the profile that does, with speeds in m/s",
     "profile_backwards": "speed %.10g m/s in row %d of the speed profile %s must lie in [0, %.10g] m/s: give the "
     "leader 0 m/s or more",
     "periods": "%.10g s are more sampling periods of T = %.10g s than can be counted: take a shorter time or a "
     "longer T",
-    "short_periods": "more than max_short_periods = %d short sampling periods in one communication step, at "
-    "t = %.10g s with T_max = %.10g s: raise max_short_periods, take shorter communication "
-    "steps, or start further from L",
+    "short_periods": "more than max_short_periods = %d short sampling periods in one communication step, at t = "
+    "%.10g s with T_max = %.10g s: raise max_short_periods, take shorter communication steps, or start further from L",
 }
 
 SEPARATOR = ": "

@@ -10,7 +10,7 @@ from psp_model.controller import NO_LIMIT, ControllerSettings
 from .platoon import platoon_table
 from .variables import Variable
 
-DESCRIPTION = "Commands accelerations to a platoon of vehicles from their measured gaps and speeds"
+DESCRIPTION = "Commands accelerations to a platoon of vehicles from their measured spacings and speeds"
 _OF_THE_PLATOON = ("T", "L", "lambda", "v_star", "v_max", "epsilon", "mu", "z", "w1", "w2", "a_ref", "s_ref")
 _CHOICES = ("potential", "parameter_source", "rollout_count")  # Integer: these stand together, as the native FMU has it
 _FALLBACK = ("rollout_horizon", "alpha_fixed", "r_fixed", "p_fixed")
@@ -20,14 +20,14 @@ def _parameters(rows: dict[str, Variable]) -> Iterator[Variable]:
     yield from (rows[name] for name in (*_OF_THE_PLATOON, *_CHOICES))
     text = "At a sampling instant with T >= T_max; 1: error, 2: warn and count"
     yield replace(rows["lemma1_policy"], description=text, maximum=2)
-    text = "What inputs that are stale, not finite or outside the state space lead to; 1: error, 2: the safe action"
+    text = "Where inputs are stale, not finite or outside the state space; 1: error, 2: the fail-safe command"
     yield Variable("bad_input", text, start=1, minimum=1, maximum=2, integer=True)
     yield from (rows[name] for name in _FALLBACK)
     text = f"Least commanded acceleration, below 0; {-NO_LIMIT:g} stands for none"
     yield Variable("a_min", text, "m/s2", -NO_LIMIT, maximum=0, nominal=5)
     text = f"Greatest commanded acceleration, above 0; {NO_LIMIT:g} stands for none"
     yield Variable("a_max", text, "m/s2", NO_LIMIT, 0, nominal=5)
-    text = "Command of the safe action, until standstill; from a_min to 0"
+    text = "Fail-safe acceleration, until standstill; from a_min to 0"
     yield Variable("a_safe", text, "m/s2", ControllerSettings.a_safe, maximum=0, nominal=2)
     text = "Inputs older than this are stale, above 0"
     yield Variable("max_age", text, "s", ControllerSettings.max_age, 0, nominal=1)
@@ -37,7 +37,7 @@ def _parameters(rows: dict[str, Variable]) -> Iterator[Variable]:
 
 def _measured(n: int, rows: dict[str, Variable]) -> Iterator[Variable]:
     for i in range(2, n + 1):
-        start, text = rows[f"s_start[{i}]"].start, f"Measured gap between vehicle {i - 1} and vehicle {i}, above L"
+        start, text = rows[f"s_start[{i}]"].start, f"Measured spacing between vehicle {i - 1} and vehicle {i}, above L"
         yield Variable(f"s[{i}]", text, "m", start, nominal=10, input=True, continuous=True)
     for i in range(1, n + 1):
         start, text = rows[f"v_start[{i}]"].start, f"Measured speed of vehicle {i}, from 0 to v_max"
@@ -48,7 +48,7 @@ def _measured(n: int, rows: dict[str, Variable]) -> Iterator[Variable]:
     yield Variable("resolve", text, "1", 0.0, 0, 1, input=True)
     text = "Desired cruising speed from now on, from 0, to stand, to v_max; v_star if -1 or below"
     yield Variable("v_desired", text, "m/s", -1.0, nominal=30, input=True)
-    text = "Time at which gaps and speeds were measured; if below 0, that is when they were last set"
+    text = "Time at which spacings and speeds were measured; if below 0, that is when they were last set"
     yield Variable("t_measured", text, "s", -1.0, nominal=100, input=True, continuous=True)
 
 
@@ -67,15 +67,15 @@ def _decided(n: int, rows: dict[str, Variable], known: tuple[str, ...]) -> Itera
     text = "Exponent of the hill in use; 0 with V_old, which has none"
     yield Variable("p", text, nominal=5, dependencies=known)
     yield replace(rows["network_in_domain"], dependencies=known)
-    text = "Lemma 1 at the last sampling instant: T is certified if it is below this; 0 with the safe action"
+    text = "Lemma 1 at the last sampling instant: T is certified if it is below this; 0 with the fail-safe command"
     yield Variable("T_max", text, "s", nominal=0.1, dependencies=known)
     text = "1 if T is below T_max at the last sampling instant, else 0"
     yield Variable("lemma1_ok", text, minimum=0, maximum=1, dependencies=known)
-    text = "Sampling instants so far at which T was not below T_max, the safe action aside"
+    text = "Sampling instants so far at which T was not below T_max, the fail-safe command aside"
     yield Variable("lemma1_violations", text, minimum=0, dependencies=known)
-    text = "1 if the inputs were in order at the last sampling instant, 0 if the safe action is commanded"
+    text = "1 if the inputs were in order at the last sampling instant, 0 if the fail-safe command is given"
     yield Variable("input_ok", text, minimum=0, maximum=1, dependencies=known)
-    yield Variable("input_faults", "Sampling instants so far with the safe action", minimum=0, dependencies=known)
+    yield Variable("input_faults", "Sampling instants so far with the fail-safe command", minimum=0, dependencies=known)
     yield Variable("choices", "How often alpha, r, p were chosen", minimum=0, dependencies=known)
 
 

@@ -26,15 +26,15 @@ point that is a sampling instant the outputs are those just after sampling.</p>
 communication point where the input is set, when the next step begins; if both, one leaves first. That is a sampling
 instant of its own; <code>alpha</code>, <code>r</code>, <code>p</code> are chosen anew for the new initial state. A
 vehicle joins only if Lemma 1 certifies <code>T</code> for the platoon with it; if not, <code>change_ok</code> is 0,
-<code>gap_offered</code> is a gap that would do, and a warning says so.</p>"""
+<code>gap_offered</code> is a spacing that would be accepted, and a warning says so.</p>"""
 _SAMPLING = {
     "PspController": """<p>The sampling instants lie at start + <code>phase</code> + k <code>T</code>, whatever the
 communication step. At a communication point that is a sampling instant, set the inputs; the outputs read after that are
 the new commands, so that a host that sets, reads and then steps the plant has no delay. A host that does not read them
 then (most masters) has them one communication step later. Instants inside a communication step use the inputs of its
 beginning: communicate at every sampling instant. Between instants the commands are held.</p>
-<p>With the safe action (<code>bad_input</code> = 2) every active vehicle slows down with <code>a_safe</code> until the
-inputs are in order again; Lemma 1 then says nothing.</p>""",
+<p>With the fail-safe command (<code>bad_input</code> = 2) every active vehicle slows down with <code>a_safe</code>
+until the inputs are in order again; Lemma 1 then says nothing.</p>""",
     "PspLeader": """<p>The speed is a function of time: it does not depend on the communication step.</p>""",
     "PspPlant": """<p>The acceleration known at the end of a period of length <code>T</code> counts for all of it: a
 command that a master passes on late, but within the period, does what it would have done without the delay. Outputs

@@ -22,7 +22,7 @@ FIRST_SPEEDS = (30.0, 31.5, 28.5, 29.5, 32.0, 28.0, 30.5)  # [m/s] likewise
 def _constants() -> Iterator[Variable]:
     c, w = PlatoonParameters(), ObjectiveWeights()
     yield Variable("T", "Sampling period, above 0; certified where below T_max", "s", Sampling().T, 0, nominal=0.01)
-    yield Variable("L", "Smallest allowable gap, above 0", "m", c.L, 0, nominal=5)
+    yield Variable("L", "Smallest allowable spacing, above 0", "m", c.L, 0, nominal=5)
     yield Variable("lambda", "Gap at which the repulsion ends, above L + 3 m", "m", c.lam, 0, nominal=20)
     yield Variable("v_star", "Desired cruising speed, above 0 and below v_max", "m/s", c.v_star, 0, nominal=30)
     yield Variable("v_max", "Speed limit, above 0", "m/s", c.v_max, 0, nominal=35)
@@ -30,9 +30,9 @@ def _constants() -> Iterator[Variable]:
     yield Variable("mu", "Smallest feedback gain, above 0", "1/s", c.mu, 0, nominal=0.5)
     yield Variable("z", "Limit of the slope of V_new on its hill, above 0", "m/s2", c.z, 0, nominal=4)
     yield Variable("w1", "Weight of acceleration in J", "1", w.w1, 0, nominal=0.5)
-    yield Variable("w2", "Weight of the gaps in J", "1", w.w2, 0, nominal=0.5)
+    yield Variable("w2", "Weight of the spacings in J", "1", w.w2, 0, nominal=0.5)
     yield Variable("a_ref", "Scale of acceleration in J, above 0", "m/s2", w.a_ref, 0, nominal=4)
-    yield Variable("s_ref", "Scale of the gaps in J, above 0", "m", w.s_ref, 0, nominal=20)
+    yield Variable("s_ref", "Scale of the spacings in J, above 0", "m", w.s_ref, 0, nominal=20)
 
 
 def _choices(n: int, default_source: int) -> Iterator[Variable]:
@@ -65,9 +65,9 @@ def _choices(n: int, default_source: int) -> Iterator[Variable]:
 
 def _starts(n: int) -> Iterator[Variable]:
     yield Variable("x_start", "Initial position of vehicle 1, the leader", "m", 0.0, nominal=100)
-    for i, gap in enumerate(islice(cycle(FIRST_GAPS), n - 1), start=2):
-        text = f"Initial gap between vehicle {i - 1} and vehicle {i}, above L"
-        yield Variable(f"s_start[{i}]", text, "m", gap, 0, nominal=10)
+    for i, spacing in enumerate(islice(cycle(FIRST_GAPS), n - 1), start=2):
+        text = f"Initial spacing between vehicle {i - 1} and vehicle {i}, above L"
+        yield Variable(f"s_start[{i}]", text, "m", spacing, 0, nominal=10)
     for i, speed in enumerate(islice(cycle(FIRST_SPEEDS), n), start=1):
         yield Variable(f"v_start[{i}]", f"Initial speed of vehicle {i}, at most v_max", "m/s", speed, 0, nominal=30)
 
@@ -84,9 +84,9 @@ def _joining(n: int) -> Iterator[Variable]:
 
 
 def _motion(n: int) -> Iterator[Variable]:
-    gaps = [f"s_start[{i}]" for i in range(2, n + 1)]
+    spacings = [f"s_start[{i}]" for i in range(2, n + 1)]
     for i in range(1, n + 1):
-        known = ("n_start", "x_start", *gaps[: i - 1])
+        known = ("n_start", "x_start", *spacings[: i - 1])
         text = f"Position of vehicle {i}"
         yield Variable(f"x[{i}]", text, "m", nominal=100, continuous=True, initial_dependencies=known)
     for i in range(1, n + 1):
@@ -106,7 +106,7 @@ def _reports() -> Iterator[Variable]:
     yield Variable("alpha", "Scale of the potential in use; 1 with V_old", nominal=1e-3)
     yield Variable("r", "Where the hill of the potential in use begins; 0 with V_old, which has none", "m", nominal=10)
     yield Variable("p", "Exponent of the hill in use; 0 with V_old, which has none", nominal=5)
-    text = "1 if gaps and speeds lay in a network's training domain when alpha, r, p were chosen, else 0"
+    text = "1 if spacings and speeds lay in a network's training domain when alpha, r, p were chosen, else 0"
     yield Variable("network_in_domain", text, minimum=0, maximum=1)
     text = "Lemma 1 at the last sampling instant: T is certified if it is below this"
     yield Variable("T_max", text, "s", nominal=0.1)
@@ -117,7 +117,7 @@ def _reports() -> Iterator[Variable]:
     yield Variable("J", text, nominal=10, continuous=True, minimum=0, initial_dependencies=nothing)
     text = "Term of the objective so far that stems from acceleration, weighted by w1"
     yield Variable("J_acceleration", text, nominal=1, continuous=True, minimum=0, initial_dependencies=nothing)
-    text = "Term of the objective so far that stems from the gaps, weighted by w2"
+    text = "Term of the objective so far that stems from the spacings, weighted by w2"
     yield Variable("J_gap", text, nominal=10, continuous=True, minimum=0, initial_dependencies=nothing)
 
 
@@ -131,7 +131,7 @@ def _members(n: int) -> Iterator[Variable]:
         yield Variable(f"vehicle[{i}]", text, minimum=0, initial_dependencies=start)
     text = "1 if the last change that was asked for was made, or none was, else 0"
     yield Variable("change_ok", text, minimum=0, maximum=1, initial_dependencies=nothing)
-    text = "A gap at which the vehicle that was refused last could have joined, 0 if there was none"
+    text = "A spacing at which the vehicle that was refused last could have joined, 0 if there was none"
     yield Variable("gap_offered", text, "m", minimum=0, nominal=10, initial_dependencies=nothing)
     yield Variable("changes", "Vehicles that joined or left so far", minimum=0, initial_dependencies=nothing)
     yield Variable("refusals", "Changes refused so far", minimum=0, initial_dependencies=nothing)

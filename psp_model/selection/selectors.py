@@ -157,7 +157,7 @@ def outside_domain(
     if constants != trained_with:
         return "other constants than the network was trained with"
     if not domain.contains(s, v):  # also where policy 2 has let vehicles leave the state space
-        return "gaps or speeds outside the network's training domain"
+        return "spacings or speeds outside the network's training domain"
     return None
 
 

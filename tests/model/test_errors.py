@@ -120,7 +120,7 @@ def test_an_error_inside_an_error_arrives_too(trip: str) -> None:
     cause = ModelError("stale", 0.3, 0.25)
     error = ModelError("safe_action", 1.5, cause)
     made = TRIPS[trip](error)
-    assert str(made) == str(error) == f"the safe action is taken at t = 1.5 s: {cause}"
+    assert str(made) == str(error) == f"the fail-safe command is given at t = 1.5 s: {cause}"
     assert made.remedy == cause.remedy and made.problem.endswith(cause.problem)
     assert made.values[1].key == "stale" and made.values[1].values == (0.3, 0.25)
 

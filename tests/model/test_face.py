@@ -198,7 +198,7 @@ def _flat(one: Any) -> list[Any]:
 @pytest.mark.parametrize("name", ["feedback", "largest_period", "exact_period", "cooperative_command"])
 def test_spacings_that_do_not_fit_the_speeds_are_refused(name: str) -> None:
     rest = (BEST_FIXED,) if name in ("feedback", "cooperative_command") else (A,)
-    with pytest.raises(ModelError, match="4 gaps and 4 speeds"):
+    with pytest.raises(ModelError, match="4 spacings and 4 speeds"):
         getattr(psp_model, name)([*S, 9.0], V, *rest)
     for wrong in (["nine"], [[9.0], [9.0, 10.0]], None):
         with pytest.raises(ModelError, match="not an array of numbers"):

@@ -138,9 +138,9 @@ STATES = [
     (GAPS, [30.0, 30.0, NAN], "finite", ["v_start[3]", "not nan", "m/s"]),
     ([NAN, 9.0], SPEEDS, "finite", ["s_start[2]", "not nan", "in m"]),
     ([9.0, INF], SPEEDS, "finite", ["s_start[3]", "not inf"]),
-    (GAPS, [30.0, 30.0], "shape", ["2 gaps", "2 speeds", "n - 1"]),
-    ([[9.0, 9.0]], SPEEDS, "shape", ["2 gaps", "3 speeds"]),
-    ([], [], "shape", ["0 gaps", "0 speeds"]),
+    (GAPS, [30.0, 30.0], "shape", ["2 spacings", "2 speeds", "n - 1"]),
+    ([[9.0, 9.0]], SPEEDS, "shape", ["2 spacings", "3 speeds"]),
+    ([], [], "shape", ["0 spacings", "0 speeds"]),
 ]
 
 
@@ -210,7 +210,7 @@ def test_numbers_that_differ_never_look_alike(excess: float) -> None:
 
 def test_numbers_are_rounded_where_that_hides_nothing() -> None:
     sentence = str(refused(lambda: PlatoonState(np.array([4.1, 9.0]), np.array(SPEEDS))))
-    assert sentence.startswith("gap s[2] = 4.1 m must exceed L = 5 m")
+    assert sentence.startswith("spacing s[2] = 4.1 m must exceed L = 5 m")
     assert str(ModelError("finite", "T", NAN, "s")) == "T must be a finite number, not nan: give it a value in s"
 
 

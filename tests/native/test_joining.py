@@ -73,7 +73,7 @@ def test_a_join_that_lemma_1_does_not_cover_is_refused_and_the_offered_gap_does(
     assert road.step(0.0, 1e-9) == OK
     assert road.get("change_ok", "refusals", "changes", "n_active") == [0.0, 1.0, 0.0, 4.0]
     (offered,) = road.get("gap_offered")
-    assert "would do" in road.messages[-1][1] and f"{offered:.10g}" in road.messages[-1][1]
+    assert "would be accepted" in road.messages[-1][1] and f"{offered:.10g}" in road.messages[-1][1]
     unharmed = len(before) - N - 5  # what changes counts comes last
     np.testing.assert_allclose(road.outputs()[:unharmed], before[:unharmed], atol=1e-6)
     assert road.set({"insert": 0.0}) == OK
@@ -154,7 +154,7 @@ def test_a_fallback_that_is_not_feasible_is_refused_before_it_is_needed(road):
 def test_joining_as_the_leader_with_a_gap_too_small_says_which_place(road):
     assert road.initialise(FIXED | starts([20.0] * 6, [30.0] * 7) | {"n_start": 3}) == OK
     assert road.set(join(0, 5.2, 30.0)) == OK and road.step(0.0, T) == OK
-    assert "at place 1 with a gap of 5.2 m at 30 m/s" in road.messages[-1][1]
+    assert "at place 1 with a spacing of 5.2 m at 30 m/s" in road.messages[-1][1]
 
 
 @pytest.mark.parametrize("runtime", ["python", "native"])

@@ -133,7 +133,7 @@ def test_a_full_platoon_takes_nobody_and_the_last_vehicle_stays(native_fmu_of_tw
     drive = start(native_fmu_of_twelve, 11, {})
     request = {"insert": 1.0, "insert_behind": 12.0, "insert_gap": 30.0, "insert_speed": 30.0}
     _, after = drive.change(request)
-    assert after.n == 12 and "12 does not fit" in drive.road.messages[-1][1]
+    assert after.n == 12 and "the platoon is full (12 vehicles)" in drive.road.messages[-1][1]
     for n in range(11, 0, -1):
         drive.onwards()
         _, after = drive.change(random_leave(drive.rng, look(drive.road)))

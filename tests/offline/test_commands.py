@@ -52,7 +52,7 @@ def test_optimize_gives_the_same_from_csv_and_npz(tmp_path: Path) -> None:
         ("", "is empty"),
         (HEADER, "holds no start"),
         (HEADER + "9,9,30,30,nan\n", "finite"),
-        (HEADER + "9,4.2,30,30,30\n", "gap s[3] = 4.2 m must exceed L"),
+        (HEADER + "9,4.2,30,30,30\n", "spacing s[3] = 4.2 m must exceed L"),
         (HEADER + "9,9,30,30,36\n", "speed v[3] = 36"),
         (HEADER + "9,9,30,30\n", "has 4 cells"),
         (HEADER + "9,9,30,30,fast\n", "something else than numbers"),

@@ -114,7 +114,7 @@ def test_a_join_that_lemma_1_does_not_cover_is_refused_with_a_gap_that_would_do(
         before = road.platoon.now
         same, refused = road.insert(2, C.L + T * C.v_max, 30.0, 0, 0.0)
         assert same is road
-        assert refused is not None and "would do" in refused.sentence and road.platoon.now is before
+        assert refused is not None and "would be accepted" in refused.sentence and road.platoon.now is before
         road, again = road.insert(2, refused.gap, 30.0, 0, 0.0)
         assert again is None
         assert road.vehicles == (1, 2, 5, 3, 4)
@@ -124,7 +124,7 @@ def test_a_join_that_lemma_1_does_not_cover_is_refused_with_a_gap_that_would_do(
 def test_no_gap_would_do_where_there_is_no_room():
     road = open_platoon(3, 4)
     _, refused = road.insert(1, 5.5, 30.0, 0, 0.0)  # between two that are 12 m apart at most
-    assert refused is not None and "no gap would do" in refused.sentence and np.isnan(refused.gap)
+    assert refused is not None and "no spacing would be accepted" in refused.sentence and np.isnan(refused.gap)
 
 
 @pytest.mark.parametrize(
@@ -133,7 +133,7 @@ def test_no_gap_would_do_where_there_is_no_room():
         (lambda road: road.insert(9, 10.0, 30.0, 0, 0.0), "insert_behind = 9"),
         (lambda road: road.insert(1.5, 10.0, 30.0, 0, 0.0), "insert_behind = 1.5"),
         (lambda road: road.insert(4, 10.0, 36.0, 0, 0.0), "36 m/s"),
-        (lambda road: road.insert(4, float("nan"), 30.0, 0, 0.0), "would do"),
+        (lambda road: road.insert(4, float("nan"), 30.0, 0, 0.0), "would be accepted"),
         (lambda road: road.insert(4, 10.0, float("nan"), 0, 0.0), "nan m/s"),
         (lambda road: road.remove(0, 0, 0.0), "remove_place = 0"),
         (lambda road: road.remove(float("nan"), 0, 0.0), "remove_place = nan"),

@@ -218,7 +218,7 @@ def test_under_policy_1_a_gap_of_L_is_refused_as_a_gap(instances, controller_fmu
     s[2] = L - 1e-12
     controller = instances(controller_fmu)
     assert controller.initialise(FIXED | named(s, v)) == OK and controller.step(0.0, T) == ERROR
-    assert "the measured gap s[4] = 4.99999999999" in controller.messages[-1][1]
+    assert "the measured spacing s[4] = 4.99999999999" in controller.messages[-1][1]
 
 
 def test_a_gap_that_lemma_1_does_not_cover_is_named_with_the_gap_it_needs(instances, controller_fmu):
@@ -227,7 +227,7 @@ def test_a_gap_that_lemma_1_does_not_cover_is_named_with_the_gap_it_needs(instan
     controller = instances(controller_fmu)
     assert controller.initialise(FIXED | named(s, v)) == OK and controller.step(0.0, T) == ERROR
     sentence = controller.messages[-1][1]
-    assert "s[4] = 5.3 m" in sentence and "keep that gap above 5.35 m" in sentence and "T < 0.008571" in sentence
+    assert "s[4] = 5.3 m" in sentence and "keep that spacing above 5.35 m" in sentence and "T < 0.008571" in sentence
 
 
 @pytest.mark.parametrize("shape", [V_OLD, BEST_FIXED])
@@ -249,7 +249,7 @@ def test_the_plant_fmu_starts_at_standstill_and_names_who_is_not_behind(instance
         assert plant.step(k * T, T) == OK
     assert plant.outputs() == before
     assert plant.call("fmi2Reset") == OK and plant.initialise({"s_start[3]": -1.0}) == ERROR
-    assert "gap s[3] = -1 m" in plant.messages[-1][1] and "lower L" not in plant.messages[-1][1]
+    assert "spacing s[3] = -1 m" in plant.messages[-1][1] and "lower L" not in plant.messages[-1][1]
 
 
 def test_a_platoon_refuses_a_start_with_the_remedy_that_fits():

@@ -99,7 +99,7 @@ def test_completion_is_there_for_bash():
         (["compare", "--set", "T=10 m"], "has the unit 'm', which does not fit: use one of: s, ms, min"),
         (["compare", "--set", "T=soon"], "is not a number"),
         (["compare", "--set", "lambda=7"], "must exceed L + 3 m = 8 m"),
-        (["compare", "--set", "s_start[3]=4.9"], "gap s[3] = 4.9 m must exceed L = 5 m"),
+        (["compare", "--set", "s_start[3]=4.9"], "spacing s[3] = 4.9 m must exceed L = 5 m"),
         (["compare", "--set", "potential=3"], "a whole number from 1 to 2"),
         (["compare", "-n", "1"], "a platoon has at least 2"),
         (["compare", "--duration", "-1 s"], "must be positive"),

@@ -124,7 +124,7 @@ const char *outside_domain(int n, const double *s, const double *v, const Consta
     for (int i = 0; i < n - 1; i++)
         inside = inside && s[i] >= network->gap_min && s[i] <= network->gap_max &&
                  s[i] > network->standstill + network->headway * v[i + 1];
-    return inside ? NULL : "gaps or speeds outside the network's training domain";
+    return inside ? NULL : "spacings or speeds outside the network's training domain";
 }
 
 bool lies_in_domain(int n, const double *s, const double *v, const Constants *constants)
