@@ -53,7 +53,6 @@ from psp_model.quantities import quantity_of
 from psp_model.sampling.clock import Clock
 from psp_model.sampling.hold import IDEAL
 from psp_model.sampling.loop import begin, step
-from psp_model.sampling.period import decide
 from psp_model.selection.network import ParameterNetwork, read_networks
 from psp_model.selection.selectors import Old, ParameterSource, Request
 from psp_model.vehicles.ideal import STOPPING, IdealPlant
@@ -250,7 +249,6 @@ EXAMPLES: dict[str, Example] = {
     # the law, and the loop around it
     "PaperLaw": (lambda: PaperLaw(BEST_FIXED, PlatoonParameters(mu=0.4)), commands),
     "Loop": (lambda: platoon().loop, lambda made: step(made, platoon().now)),
-    "Decided": (lambda: decide(PaperLaw(V_OLD, PlatoonParameters()), None, plant().now), itself),
     "loop.Verdict": (lambda: begin(platoon(T=0.01).loop, 0.0, *pair_of(start_of(3, 1)))[1], itself),
     "DoubleIntegrators": (lambda: IDEAL, rode),
     "StoppingIntegrators": (lambda: STOPPING, rode),

@@ -127,7 +127,8 @@ def step(loop: Loop, now: Instant) -> tuple[Instant, Verdict]:
     the instant and what Lemma 1 says of it; with OUTSIDE its accelerations and T_max are still those of `now`
     """
     vehicles, cost = after(loop, now, now.span * loop.T)
-    if (now.violations > 0 or not _is_ideal(loop)) and _is_outside(loop, vehicles):  # else Lemma 1 keeps all inside
+    may_leave = now.violations > 0 or not isinstance(loop.plant, DoubleIntegrators)  # else Lemma 1 keeps all inside
+    if may_leave and _is_outside(loop, vehicles):
         return _outside(now, now.ends, vehicles, cost)
     return _sampled(loop, now.ends, vehicles, now.memory, now.violations, cost)
 
@@ -168,7 +169,6 @@ def after(loop: Loop, now: Instant, tau: float) -> tuple[Moving, Cost]:
     tau : time [s]
     """
     vehicles, added = hold(loop.plant, now.vehicles, now.a, tau, loop.weights)
-    seal(vehicles.s, vehicles.v)
     return vehicles, (now.cost[0] + float(added[0]), now.cost[1] + float(added[1]))
 
 
@@ -198,19 +198,15 @@ def with_potential(loop: Loop, potential: Potential) -> Loop:
     return replace(loop, controller=replace(loop.controller, potential=potential))  # type: ignore[type-var]
 
 
-def _is_ideal(loop: Loop) -> bool:
-    """Whether the vehicles are those that Lemma 1 speaks of."""
-    plant: object = loop.plant
-    return type(plant) is DoubleIntegrators
-
-
 def _is_outside(loop: Loop, vehicles: Moving) -> bool:
     """Whether a spacing has fallen to L; ideal vehicles cannot where periods are cut until they are certified."""
-    return not (loop.shorten and _is_ideal(loop)) and not (vehicles.s > loop.controller.constants.L).all()
+    kept = loop.shorten and isinstance(loop.plant, DoubleIntegrators)
+    return not kept and not (vehicles.s > loop.controller.constants.L).all()
 
 
 def _outside(now: Instant, at: tuple[int, float], vehicles: Moving, cost: Cost) -> tuple[Instant, Verdict]:
     """The instant at which the law is not defined: nothing is decided anew."""
+    seal(vehicles.s, vehicles.v)
     return now._replace(period=at[0], fraction=at[1], vehicles=vehicles, cost=cost), Verdict.OUTSIDE
 
 
@@ -226,6 +222,6 @@ def _sampled(
             span *= 0.5
     span = min(span, 1.0 - at[1])  # the next nominal instant is one in any case
     count = violations + (not certified)
-    seal(a)
+    seal(vehicles.s, vehicles.v, a)
     now = Instant(*at, vehicles, a, T_max, span, count, cost, memory)
     return now, Verdict.CERTIFIED if certified else Verdict.NOT_CERTIFIED

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Generic, NamedTuple
-
 from ..law.controller import Controller, Memory
 from ..namespaces import Array
 from ..objective import running_cost
@@ -12,22 +10,7 @@ from .hold import Moving, Plant, Vehicles
 from .lemma1 import largest_period
 
 
-class Decided(NamedTuple, Generic[Memory]):
-    """What was decided at a sampling instant.
-
-    Attributes
-    ----------
-    memory : what the controller remembers
-    a : (n, ...) accelerations commanded from here on [m/s2]
-    T_max : (...) Lemma 1's bound [s]
-    """
-
-    memory: Memory
-    a: Array
-    T_max: Array
-
-
-def decide(controller: Controller[Memory], memory: Memory | None, vehicles: Moving) -> Decided[Memory]:
+def decide(controller: Controller[Memory], memory: Memory | None, vehicles: Moving) -> tuple[Memory, Array, Array]:
     """The commands at a sampling instant, and the period that Lemma 1 certifies for them (ours).
 
     Parameters
@@ -38,10 +21,10 @@ def decide(controller: Controller[Memory], memory: Memory | None, vehicles: Movi
 
     Returns
     -------
-    Decided
+    what the controller remembers, the (n, ...) accelerations commanded from here on [m/s2], and T_max, (...) [s]
     """
     remembered, a = controller.decide(memory, vehicles.s, vehicles.v)
-    return Decided(remembered, a, largest_period(vehicles.s, vehicles.v, a, controller.constants))
+    return remembered, a, largest_period(vehicles.s, vehicles.v, a, controller.constants)
 
 
 def hold(

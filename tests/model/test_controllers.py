@@ -146,11 +146,11 @@ def test_a_batch_is_so_many_runs(seed: int, n: int) -> None:
         assert [term[k] for term in terms] == pytest.approx(list(added), rel=1e-12)
 
 
-def test_decided_says_memory_commands_and_bound_by_name() -> None:
+def test_the_paper_s_law_remembers_nothing_and_takes_its_own_constants() -> None:
     s, v = paper_start(3, 4)
-    decided = decide(PaperLaw(BEST_FIXED, CONSTANTS), None, Motion(0.0, s, v))
-    assert decided.memory is None and np.array_equal(decided.a, feedback(s, v, BEST_FIXED, CONSTANTS))
-    assert decided.T_max == largest_period(s, v, decided.a, CONSTANTS)
+    memory, a, T_max = decide(PaperLaw(BEST_FIXED, CONSTANTS), None, Motion(0.0, s, v))
+    assert memory is None and np.array_equal(a, feedback(s, v, BEST_FIXED, CONSTANTS))
+    assert T_max == largest_period(s, v, a, CONSTANTS)
     law: Controller[None] = PaperLaw(V_OLD, replace(CONSTANTS, mu=0.9))
     assert np.array_equal(law.decide(None, s, v)[1], feedback(s, v, V_OLD, replace(CONSTANTS, mu=0.9)))
 

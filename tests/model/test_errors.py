@@ -171,6 +171,7 @@ CAUGHT = {
     ("doctor.py", "ValueError"): "becomes a line of the doctor's",
     ("onnx_graph.py", "ValueError"): "becomes a BuildError in tables.py",
     ("tables.py", "ValueError"): "a defect of the table of variables, not of a user",
+    ("public.py", "TypeError"): "becomes numbers in the same function",
     ("table_slave.py", "NotImplementedError"): "a defect of a subclass",
     ("state_check.py", "ValueError"): "becomes the FMU's sentence on states that no run can come to",
     ("results.py", "KeyError"): "becomes an InputError in psp simulate",

@@ -129,7 +129,7 @@ def control() -> Numbers:
     plant, leader = IdealPlant.begin(PlatoonState([9.0, 10.5], [30.0, 31.0, 29.0]), T=0.01), Wave(30.0, 25.0)
     for k in range(5):
         controller.sample(0.01 * k, Measurement([9.0, 10.5], [30, 31, 29], 3, v_desired=leader.speed(0.01 * k)))
-        plant.advance_to(k + 1, controller.now.a)
+        plant = plant.advanced_to(k + 1, controller.now.a)
     network: ParameterNetwork = project_networks(3)[3]
     slope: float = max_slope(
         project(network.evaluate([9.0, 10.5], [30.0, 31.0, 29.0]), PlatoonParameters()), PlatoonParameters()
