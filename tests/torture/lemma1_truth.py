@@ -62,7 +62,7 @@ def goes_wrong(lanes: Lanes, lane: int, a: Array, T: float) -> bool:
 
 
 def _judge(lanes: Lanes, kind: str, outcome: Outcome) -> None:
-    a = feedback(lanes.s, lanes.v, lanes, lanes)
+    a = feedback(lanes.s, lanes.v, lanes.shape, lanes)
     T_max = largest_period(lanes.s, lanes.v, a, lanes)
     exit_ = first_exit(lanes, a)
     certified = T_max > 0  # at a speed of exactly 0 or v_max nothing is certified only where a points outwards
@@ -91,7 +91,7 @@ def _on_the_paper_s_runs(rng: np.random.Generator, old: bool, count: int) -> Lan
     lanes = Lanes(**{name: np.full(count, float(value)) for name, value in fields.items()}, s=s, v=v)
     until = rng.integers(0, 500, count)
     for k in range(500):
-        s, v = advance(lanes.s, lanes.v, feedback(lanes.s, lanes.v, lanes, lanes), 0.01)
+        s, v = advance(lanes.s, lanes.v, feedback(lanes.s, lanes.v, lanes.shape, lanes), 0.01)
         going = until > k
         lanes.s, lanes.v = np.where(going, s, lanes.s), np.where(going, v, lanes.v)
     return lanes

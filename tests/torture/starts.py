@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from psp_model.law.potential import potential_slope
-from psp_model.parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN
+from psp_model.law.potential import PotentialParameters, potential_slope
+from psp_model.parameters import ALPHA_MAX, ALPHA_MIN, HILL_WIDTH, P_MAX, P_MIN, generic
 
 Array = NDArray[np.float64]
 
@@ -20,7 +20,7 @@ _SAFETY = 0.995  # of the limit, for what lies between these points
 
 @dataclass
 class Lanes:
-    """Fields by name, a column for each start; what psp_model takes as constants and as shape.
+    """Fields by name, a column for each start; what psp_model takes as constants.
 
     Attributes
     ----------
@@ -44,6 +44,11 @@ class Lanes:
     T: Array
     s: Array
     v: Array
+
+    @property
+    def shape(self) -> PotentialParameters:
+        """The potentials, one for each column."""
+        return generic(PotentialParameters, alpha=self.alpha, r=self.r, p=self.p, hill=self.hill)
 
     def take(self, which: Any) -> Lanes:
         """Some of the starts."""
