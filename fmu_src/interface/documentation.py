@@ -19,9 +19,9 @@ code { font-size: 0.95em; }
 """
 
 _SAMPLING_OF_A_LOOP = """<p>The feedback is sampled every <code>T</code> seconds by the FMU's own clock, beginning at
-the start time. A communication step may be <code>T</code>, a multiple of it, any part of it, or 0: the results at the sampling
-instants are independent of it, and between them the outputs follow the exact polynomials. At a communication point
-that is a sampling instant the outputs are those just after sampling.</p>
+the start time. A communication step may be <code>T</code>, a multiple of it, any part of it, or 0: the results at
+the sampling instants are independent of it, and between them the outputs follow the exact polynomials. At a
+communication point that is a sampling instant the outputs are those just after sampling.</p>
 <p>A vehicle joins when <code>insert</code> rises above 0.5, and leaves when <code>remove</code> does: at the
 communication point where the input is set, when the next step begins; if both, one leaves first. This is a sampling
 instant of its own, followed by a replan of <code>alpha</code>, <code>r</code>, <code>p</code> for the new initial
