@@ -85,9 +85,7 @@ def save(figure: Figure, path: str | Path, command: str = "") -> Path:
     }
     kind = path.suffix.lower()
     if kind not in metadata:
-        raise PictureError(
-            f"{path} is not a supported picture format", "give it a name that ends in .png, .svg or .pdf"
-        )
+        raise PictureError(f"{path} is not a supported picture file", "give it a name that ends in .png, .svg or .pdf")
     with matplotlib.rc_context(RC), whole_file(path) as partial:
         figure.savefig(partial, dpi=150, metadata=metadata[kind], format=kind[1:])
     return path

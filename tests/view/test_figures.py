@@ -155,7 +155,7 @@ def test_the_suffix_decides_the_format(tmp_path: Path, ending: str, begins: byte
 
 
 def test_other_suffixes_are_refused(tmp_path: Path):
-    with pytest.raises(ValueError, match=r"\.jpg is no picture .* ends in \.png, \.svg or \.pdf"):
+    with pytest.raises(ValueError, match=r"\.jpg is not a supported picture file.* ends in \.png, \.svg or \.pdf"):
         save(draw_potentials("psp figures"), tmp_path / "potentials.jpg")
     assert not list(tmp_path.iterdir())
 
