@@ -298,7 +298,7 @@ def truck_table(setting: Setting) -> None:
             run = run_on_road(run, law, TRUE, length, {0: speed}, speed.size - 1, Sensing(setting.old))
             cells.append(shown(run))
         rows[name] = cells
-    table(f"A truck of {TRUCK:g} m", ["its length told", "taken for a car"], rows)
+    table(f"A truck of {TRUCK:g} m", ["true length given", "assumed to be a car"], rows)
 
 
 def certificates_table(setting: Setting) -> None:

@@ -42,8 +42,8 @@ def table(runs: dict[str, Run]) -> Table:
     """The figures that the paper's two scenarios are compared by."""
     out = Table("", *runs, title="Scenario 1: V_old, scenario 2: V_new")
     rows = {
-        "final gaps [m]": lambda run: f"{run.s[-1].min():.2f} .. {run.s[-1].max():.2f}",
-        "smallest gap [m]": lambda run: f"{run.s.min():.2f}",
+        "final spacings [m]": lambda run: f"{run.s[-1].min():.2f} .. {run.s[-1].max():.2f}",
+        "smallest spacing [m]": lambda run: f"{run.s.min():.2f}",
         "peak |acceleration| [m/s2]": lambda run: f"{np.abs(run.a).max():.2f}",
         "J": lambda run: f"{run.J:.2f}",
         "J_acceleration": lambda run: f"{run.cost[-1, 0]:.2f}",

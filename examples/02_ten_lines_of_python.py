@@ -9,7 +9,7 @@ from fmpy import simulate_fmu
 
 
 def main(fmu: str = "dist/PspPlatoon.fmu") -> Any:
-    """Run 20 s, print where the first gap ends; fmpy's result comes back."""
+    """Run 20 s, print the first spacing at the end; fmpy's result comes back."""
     result = simulate_fmu(
         fmu,
         stop_time=20.0,  # [s]
@@ -17,7 +17,7 @@ def main(fmu: str = "dist/PspPlatoon.fmu") -> Any:
         start_values={"s_start[2]": 8.5, "v_start[1]": 33.0, "lemma1_policy": 1},
         output=["s[2]", "a[1]", "T_max", "J"],
     )
-    print(f"gap 2 ends at {result['s[2]'][-1]:.2f} m, J = {result['J'][-1]:.2f}")
+    print(f"spacing 2 ends at {result['s[2]'][-1]:.2f} m, J = {result['J'][-1]:.2f}")
     return result
 
 

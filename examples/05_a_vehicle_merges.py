@@ -1,4 +1,4 @@
-"""What happens to the platoon when a vehicle merges into it, and when one asks for a gap that is too small?"""
+"""What happens to the platoon when a vehicle merges into it, and when one asks for too small a spacing?"""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def main(fmu: str = "dist/PspPlatoon.fmu") -> Any:
     )
     for time in (4.9, 5.5, 10.5, 19.9):
         row = result[np.argmin(abs(result["time"] - time))]
-        numbers = f"{row['n_active']:.0f} vehicles, {row['vehicle[1]']:.0f} leads, gap 3 is {row['s[3]']:.2f} m"
+        numbers = f"{row['n_active']:.0f} vehicles, {row['vehicle[1]']:.0f} leads, spacing 3 is {row['s[3]']:.2f} m"
         refused = "" if row["change_ok"] else f"; refused, {row['gap_offered']:.2f} m would do"
         print(f"t = {time} s: {numbers}{refused}")
     return result

@@ -1,4 +1,4 @@
-"""What on this machine would keep an FMU of ours from loading, and how to mend it."""
+"""What on this machine would prevent an FMU of this project from loading, and how to fix it."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ _MISLEADING = ("PYTHONHOME", "PYTHONPATH", "PYTHONPLATLIBDIR")  # environment va
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that was looked at.
+    """The result of one check.
 
     Attributes
     ----------
-    good : nothing to mend
+    good : no problem found
     text : what was found
-    remedy : how to mend it, empty where there is nothing to mend
+    remedy : how to fix it, empty if there is no problem
     """
 
     good: bool
@@ -49,7 +49,7 @@ def _platform() -> str:
 
 
 def examine(fmu: Path) -> Iterator[Finding]:
-    """Look at an FMU and at this machine.
+    """Check an FMU and this machine.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def examine(fmu: Path) -> Iterator[Finding]:
     """
     try:
         names, root, requirements = _read(fmu)
-    except Exception as error:  # zipfile, its decompressors and the XML reader raise whatever they like
+    except Exception as error:  # zipfile, its decompressors and the XML reader raise exceptions of any kind
         yield Finding(False, f"{fmu} is not a readable FMU ({error})", "build it again: python build_fmu.py")
         return
     name = root.get("modelName", "")
@@ -114,9 +114,9 @@ def _glibc() -> Iterator[Finding]:
 
 
 def _ask(program: str, packages: list[str], without: str = "") -> tuple[dict[str, Any] | None, str]:
-    """What a Python says of itself, None if it does not answer, and the last it said otherwise.
+    """What a Python reports about itself, None if it does not answer, and its last other output.
 
-    Whatever a sitecustomize or a wrapper prints stands around the answer, which has a mark.
+    A sitecustomize or a wrapper may print text around the answer, which is therefore marked.
     """
     text = Path(surroundings.__file__).read_text(encoding="utf-8")
     environment = {name: value for name, value in os.environ.items() if name != without}
@@ -161,7 +161,7 @@ def _python(requirements: dict[str, str]) -> Iterator[Finding]:
 
 
 def _judged(problem: str | None, good: str) -> Finding:
-    """A finding from a sentence on what is wrong and, behind a colon, how to mend it."""
+    """A finding from a sentence on what is wrong and, after a colon, how to fix it."""
     if problem is None:
         return Finding(True, good)
     text, _, remedy = problem.rpartition(": ")
@@ -190,7 +190,7 @@ def _libpython(library: str | None) -> Iterator[Finding]:
 
 
 def _home() -> Finding:
-    """Of no consequence, which is worth a line to those who look for one."""
+    """HOME, which no FMU needs; reported for information."""
     home = os.environ.get("HOME") or os.environ.get("USERPROFILE")
     if not home:
         return Finding(True, "HOME is not set, and not needed")

@@ -1,4 +1,4 @@
-"""The networks that go into an FMU, whichever runtime it has."""
+"""The networks that go into an FMU, for both runtimes."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def network_for(vehicles: int, path: Path | None = None) -> NetworkFile | None:
 
     Raises
     ------
-    ModelError : where a file is unreadable or made for another number of vehicles
+    ModelError : if a file is unreadable or made for another number of vehicles
     """
     path = path or network_path(vehicles, networks_folder())
     if path is None:
@@ -56,7 +56,7 @@ def networks_up_to(capacity: int, path: Path | None = None) -> dict[int, Network
     Parameters
     ----------
     capacity : N
-    path : a network of the user's own, for N vehicles and perhaps for fewer, too
+    path : a network of the user's own, for N vehicles and possibly also for fewer
 
     Raises
     ------
@@ -74,7 +74,7 @@ def networks_up_to(capacity: int, path: Path | None = None) -> dict[int, Network
 
 
 def noted_of(networks: Mapping[int, NetworkFile]) -> dict[int, dict[str, Any]]:
-    """What the slave of an FMU is told of its networks, for JSON.
+    """The description of an FMU's networks for its slave, for JSON.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def noted_of(networks: Mapping[int, NetworkFile]) -> dict[int, dict[str, Any]]:
 
 
 def notes_on_networks(networks: Mapping[int, NetworkFile]) -> list[str]:
-    """What the page of an FMU says of its networks.
+    """The description of an FMU's networks on its page.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""The controller FMU in traffic that SUMO simulates, beside SUMO's own drivers."""
+"""The controller FMU in traffic simulated by SUMO, compared with SUMO's own drivers."""

@@ -25,8 +25,8 @@ def situation(name: str, seed: int, duration: float | None = None, profile: Prof
     ----------
     name : of SITUATIONS
     seed : of the start
-    duration : instead of its own [s]
-    profile : of the leader, where there is one; by default phase High of the WLTC
+    duration : instead of the default [s]
+    profile : of the leader, if there is one; by default phase High of the WLTC
     """
     makers: dict[str, Callable[[], Scenario]] = {
         "highway": lambda: highway(seed=seed),
@@ -40,7 +40,7 @@ def situation(name: str, seed: int, duration: float | None = None, profile: Prof
 
 
 def drivers(fmu: Path, led: bool) -> list[Driver]:
-    """Everybody who is compared.
+    """All drivers compared.
 
     Parameters
     ----------

@@ -16,8 +16,8 @@ from .errors import TrafficError
 
 Vector = NDArray[np.float64]
 
-_OTHERS = ("n_active", "resolve", "v_desired", "t_measured")  # inputs behind gaps and speeds
-_WARNING = 1  # the worst fmi2Status of a call that did its work
+_OTHERS = ("n_active", "resolve", "v_desired", "t_measured")  # inputs after spacings and speeds
+_WARNING = 1  # the worst fmi2Status of a successful call
 
 
 class ControllerFmu:
@@ -73,14 +73,14 @@ def _say(environment: Any, name: bytes, status: int, category: bytes, message: b
 
 @cache
 def _logger() -> Any:
-    """One logger for all instances and for good: fmpy's proxy passes all messages to the last one it was shown."""
+    """One logger for all instances, never replaced: fmpy's proxy passes all messages to the last one registered."""
     from fmpy.fmi2 import fmi2CallbackLoggerTYPE
 
     return fmi2CallbackLoggerTYPE(_say)
 
 
 def _callbacks() -> Any:
-    """What an instance calls back; its messages go to Python's logging."""
+    """The callbacks of an instance; its messages go to Python's logging."""
     from fmpy.fmi2 import addLoggerProxy, defaultCallbacks, fmi2CallbackFunctions
 
     found = fmi2CallbackFunctions()
@@ -91,7 +91,7 @@ def _callbacks() -> Any:
 
 
 class Platoon:
-    """One instance: measured gaps and speeds in, accelerations out.
+    """One instance: measured spacings and speeds in, accelerations out.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ class Platoon:
         self._slave = FMU2Slave(
             guid=model.guid, unzipDirectory=fmu.folder, modelIdentifier=identifier, instanceName=name
         )
-        self._slave.instantiate(callbacks=self._callbacks, loggingOn=True)  # or it tells of errors only
+        self._slave.instantiate(callbacks=self._callbacks, loggingOn=True)  # otherwise it logs errors only
         self._slave.setupExperiment(startTime=0.0)
         for parameter, value in (dict(parameters) | {"T": T}).items():
             variable = fmu.variables[parameter]
@@ -156,7 +156,7 @@ class Platoon:
         raise TrafficError(f"{function} of {self._name} failed with status {status} at t = {time:g} s: see its message")
 
     def decide(self) -> None:
-        """Hand `inputs` over at a sampling instant, step to the next, fetch `outputs`: the command decided there.
+        """Hand `inputs` over at a sampling instant, step to the next, fetch `outputs`: the command computed there.
 
         Set, step, get is the order that FMI 2.0 (4.2.4) allows; get before step is not.
 
@@ -182,7 +182,7 @@ class Platoon:
 
         Parameters
         ----------
-        s, v : (n-1,) gaps [m] and (n,) speeds [m/s]
+        s, v : (n-1,) spacings [m] and (n,) speeds [m/s]
         measured_at : when [s]
         v_desired : desired speed, below 0 for v_star [m/s]
 
@@ -204,7 +204,7 @@ class Platoon:
         return self.outputs[:n].copy()
 
     def reports(self) -> dict[str, float]:
-        """What the controller says of itself."""
+        """The figures reported by the controller."""
         names = ("lemma1_violations", "input_faults", "choices", "alpha", "r", "p", "network_in_domain", "T_max")
         values = self._slave.getReal([self._fmu.variables[name].valueReference for name in names])
         own = {"saturated": self.saturated, "uncertified_from": self.uncertified_from, "fault_from": self.fault_from}
@@ -241,7 +241,7 @@ class Fleet:
 
         Parameters
         ----------
-        s, v : (K, n-1) gaps [m] and (K, n) speeds [m/s] of K platoons
+        s, v : (K, n-1) spacings [m] and (K, n) speeds [m/s] of K platoons
         measured_at : when [s]
 
         Returns

@@ -15,9 +15,9 @@ class Driver:
     ----------
     name : for tables
     vehicle_type : attributes of SUMO's vType
-    fmu : the controller FMU, None where SUMO drives
+    fmu : the controller FMU, None if SUMO drives
     parameters : start values of the FMU
-    follows : the leader's speed is handed to the controller as the desired one
+    follows : the leader's speed is passed to the controller as the desired one
     """
 
     name: str
@@ -27,7 +27,7 @@ class Driver:
     follows: bool = False
 
 
-A_MIN, A_MAX = -8.0, 4.0  # [m/s2] what a car on a dry road can do, about (ours)
+A_MIN, A_MAX = -8.0, 4.0  # [m/s2] roughly the limits of a car on a dry road (ours)
 
 
 def sumo_drivers() -> list[Driver]:

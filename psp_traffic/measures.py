@@ -1,4 +1,4 @@
-"""What a run was worth: safety, comfort, capacity, emissions."""
+"""Measures of a run: safety, comfort, capacity, emissions."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from .scenario import LENGTH, Scenario
 from .simulation import Record
 
-_STEADY = 10.0  # [s] the end of a run, over which gaps and capacity are averaged
+_STEADY = 10.0  # [s] the end of a run, over which spacings and capacity are averaged
 _BEGINNING = 30.0  # [s] of a run behind a leader, left out of its averages and of the amplification
 _JERK_WINDOW = 0.1  # [s] jerk is the change of acceleration between means over this time
-_SETTLED = 0.5  # [m/s] everybody this close to v_star
+_SETTLED = 0.5  # [m/s] largest distance of all speeds from v_star
 
 
 @dataclass(frozen=True)
@@ -23,13 +23,13 @@ class Measures:
     Attributes
     ----------
     collisions : pairs of vehicles that touched
-    gap_min : smallest free space between bumpers, 0 where vehicles touched [m]
+    gap_min : smallest clearance, 0 if vehicles touched [m]
     ttc_min : smallest time to collision while closing [s]
     a_peak, a_rms : of accelerations [m/s2]
     jerk_peak, jerk_rms : [m/s3]
-    capacity : vehicles per hour that the last 10 s amount to; behind a leader, all but the first 30 s
-    gap_mean : between fronts over the same time [m]
-    settling : from when everybody stays within 0.5 m/s of v_star [s]; infinite if never, NaN behind a leader
+    capacity : vehicles per hour, from the last 10 s; behind a leader, all but the first 30 s
+    gap_mean : mean spacing over the same time [m]
+    settling : time after which all speeds stay within 0.5 m/s of v_star [s]; infinite if never, NaN behind a leader
     amplification : r.m.s. acceleration of the last vehicle over that of the leader, behind a leader without the first
         30 s; NaN where the leader keeps its speed
     co2, fuel : per vehicle and kilometre [g/km]
@@ -51,7 +51,7 @@ class Measures:
 
 
 def gaps(record: Record) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
-    """Gaps and closing speeds on the through lane at every time.
+    """Spacings and closing speeds on the through lane at every time.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def gaps(record: Record) -> tuple[NDArray[np.float64], NDArray[np.float64], NDAr
 
     Returns
     -------
-    s, closing : (K, n-1) gaps between fronts [m] and speeds at which they close [m/s], in the order of the road; NaN
+    s, closing : (K, n-1) spacings [m] and speeds at which they close [m/s], in the order of the road; NaN
         where there are fewer vehicles
     pairs : (K, n-1, 2) the two vehicles, the lower number first
     """

@@ -1,4 +1,4 @@
-"""Runs kept in a JSON file, so that a comparison that was interrupted goes on where it was."""
+"""Runs kept in a JSON file, so that an interrupted comparison can be resumed."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ Row = dict[str, float]
 
 
 class ResultsError(PspError, ValueError):
-    """One sentence on a file that cannot be gone on with."""
+    """One sentence on a file from which runs cannot be resumed."""
 
 
 def digest(path: Path) -> str:
-    """What tells two files apart.
+    """What identifies the content of a file.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class Results:
     Parameters
     ----------
     path : of the file; None keeps nothing
-    settings : of all runs; a file with other settings is refused
+    settings : of all runs; a file with other settings is rejected
     command : that makes the file, noted in it
 
     Raises

@@ -33,7 +33,7 @@ def sumo_home() -> Path:
 
 
 def through_lanes(scenario: Scenario) -> dict[str, int]:
-    """The lane of each edge that leads on; the lanes right of it are the ramp and its acceleration lane.
+    """The through lane of each edge; the lanes right of it are the ramp and its acceleration lane.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Many platoons in one SUMO run: what the controller costs beside SUMO itself."""
+"""Many platoons in one SUMO run: the cost of the controller compared with SUMO's own."""
 
 from __future__ import annotations
 
@@ -69,13 +69,13 @@ def many(platoons: int, road_end: float) -> Scenario:
 
 
 def cost(platoons: int, steps: int, driver: Driver, *, exchange: bool = False, step: float = 0.01) -> Cost:
-    """Run platoons of ten for some steps and see where the time goes.
+    """Run platoons of ten for some steps and measure the time of each part.
 
     Parameters
     ----------
     platoons, steps : how many
     driver : the controller, or a model of SUMO's, which then drives alone
-    exchange : every vehicle is read and its speed set, as for the controller, but nobody decides anything: what a
+    exchange : every vehicle is read and its speed set, as for the controller, but no command is computed: what a
         controller outside SUMO costs at least
     step : of SUMO [s]
     """
@@ -112,9 +112,9 @@ def _of_sumo(sumo: Any, vehicles: int, steps: int) -> Cost:
 def _with_exchange(
     sumo: Any, names: list[str], decide: Callable[[Vector, Vector, float], Vector], steps: int, step: float
 ) -> Cost:
-    """Read all vehicles, decide from gaps, speeds and time, set all speeds, and let SUMO step.
+    """Read all vehicles, decide from spacings, speeds and time, set all speeds, and let SUMO step.
 
-    Positions come from the distance driven, which SUMO gives at a lower price than the position on the map.
+    Positions come from the distance driven, which is cheaper to read from SUMO than the position on the map.
     """
     of_sumo = of_exchange = of_controllers = 0.0
     driven, speed_of, set_speed = sumo.vehicle.getDistance, sumo.vehicle.getSpeed, sumo.vehicle.setSpeed

@@ -1,4 +1,4 @@
-"""What happens on the road: where vehicles start, who comes in by the ramp, what the leader does."""
+"""What happens on the road: where vehicles start, which vehicles merge from the ramp, what the leader does."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from psp_model.state import StartDomain
 from psp_model.vehicles.leader import LeaderSpeed, Profile, Wave, read_profile
 
-LENGTH = 5.0  # [m] of every vehicle: fronts L = 5 m apart means bumper to bumper
+LENGTH = 5.0  # [m] of every vehicle: a spacing of L = 5 m means a clearance of 0
 RAMP_END, LANE_END, ROAD_END = 1000.0, 2200.0, 130_000.0  # [m] the ramp joins, its lane ends, the road ends
-LONGEST = 3600.0  # [s] of a run: nobody reaches the end of the road at v_max
+LONGEST = 3600.0  # [s] of a run: no vehicle reaches the end of the road at v_max
 STOP_AND_GO = Wave(high=30.0, low=14.0, begin=10.0, period=40.0)
 WLTC_HIGH = Path(__file__).with_name("profiles") / "wltc_high.csv"
 _APART = StartDomain(gap_min=38.0, gap_max=48.0)  # SUMO's drivers want 37.5 m at 30 m/s: 1 s, 2.5 m and their length
-_BEHIND_A_LEADER = (12.0, 16.0)  # [m] gaps at the start
+_BEHIND_A_LEADER = (12.0, 16.0)  # [m] spacings at the start
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,12 +27,12 @@ class Scenario:
     Attributes
     ----------
     name : for tables
-    s, v : gaps (n-1,) front to front [m] and speeds (n,) [m/s] at the start, leader first
-    v_star : speed that everybody wants [m/s]
+    s, v : spacings (n-1,) [m] and speeds (n,) [m/s] at the start, leader first
+    v_star : desired speed of all vehicles [m/s]
     duration : [s]
     x_leader : position of the leader's front at the start [m]
     merging : start (position [m], speed [m/s]) of each vehicle on the acceleration lane
-    leader : speed that the leader drives whatever anybody commands; None where it is driven like the others
+    leader : speed of the leader, independent of all commands; None if it is controlled like the others
     """
 
     name: str
@@ -64,7 +64,7 @@ def highway(vehicles: int = 7, seed: int = 1, duration: float = 60.0) -> Scenari
 
 
 def highway_apart(vehicles: int = 7, seed: int = 1, duration: float = 60.0) -> Scenario:
-    """The same lane and speeds, at gaps that SUMO's drivers would keep by themselves (ours).
+    """The same lane and speeds, at spacings that SUMO's drivers would keep by themselves (ours).
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def highway_apart(vehicles: int = 7, seed: int = 1, duration: float = 60.0) -> S
 
 
 def ramp(seed: int = 1, duration: float = 60.0) -> Scenario:
-    """Five vehicles pass an on-ramp from which two come in.
+    """Five vehicles pass an on-ramp from which two merge.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def ramp(seed: int = 1, duration: float = 60.0) -> Scenario:
 
 
 def _behind(name: str, leader: LeaderSpeed, seed: int, vehicles: int, duration: float) -> Scenario:
-    """Gaps drawn from a range, everybody as fast as the leader."""
+    """Spacings drawn from a range, all vehicles as fast as the leader."""
     s = np.random.default_rng(seed).uniform(*_BEHIND_A_LEADER, vehicles - 1)
     return Scenario(name, s, np.full(vehicles, leader.speed(0.0)), duration=duration, leader=leader)
 
@@ -102,7 +102,7 @@ def stop_and_go(vehicles: int = 7, seed: int = 1, duration: float = 130.0) -> Sc
     Parameters
     ----------
     vehicles : n
-    seed : of the gaps at the start
+    seed : of the spacings at the start
     duration : [s]
     """
     return _behind("stop-and-go", STOP_AND_GO, seed, vehicles, duration)
@@ -111,12 +111,12 @@ def stop_and_go(vehicles: int = 7, seed: int = 1, duration: float = 130.0) -> Sc
 def on_profile(
     vehicles: int = 7, seed: int = 1, duration: float | None = None, profile: Profile | None = None
 ) -> Scenario:
-    """A leader who follows a speed profile.
+    """A leader that follows a speed profile.
 
     Parameters
     ----------
     vehicles : n
-    seed : of the gaps at the start
+    seed : of the spacings at the start
     duration : [s], by default the profile's
     profile : by default phase High of the WLTC
     """

@@ -20,16 +20,16 @@ from .driver import Driver
 from .road import sumo_home, through_lanes, write_road, write_vehicles
 from .scenario import LENGTH, Scenario
 
-_STAY, _CHANGE = 0, 1621  # lane change modes: only where told to; SUMO's default
+_STAY, _CHANGE = 0, 1621  # lane change modes: only on command; SUMO's default
 JOIN_ROOM, LANE_CHANGE_ROOM = 1.0, 3.0  # [m] free behind and ahead beyond L: to be counted in, to change lanes
 
-_EASE = 1.0  # [m/s2] at which SUMO's drivers who start faster than v_star are let down to it
-_DESIRED = (0.0, 35.0)  # [m/s] desired speeds lie between 0 and v_max
+_EASE = 1.0  # [m/s2] at which SUMO's drivers that start faster than v_star are slowed to it
+_DESIRED = (0.0, 35.0)  # [m/s] desired speeds are between 0 and v_max
 
 
 @dataclass(frozen=True)
 class Disturbance:
-    """What stands between the controller and the vehicles.
+    """The disturbance between the controller and the vehicles.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Record:
     x, v : (K, n) positions of the fronts [m] and speeds [m/s]
     on_road : (K, n) whether on the through lane
     co2, fuel : (n,) emitted and used in all [g]
-    reports : what the controller says of itself, empty where SUMO drives
+    reports : figures reported by the controller, empty if SUMO drives
     """
 
     time: Vector
@@ -69,7 +69,7 @@ class Record:
 def running_sumo(network: Path, vehicles: Path, step: float, seed: int, ballistic: bool) -> Iterator[Any]:
     """libsumo with a simulation loaded, closed at the end."""
     sumo_home()
-    with warnings.catch_warnings(), redirect_stdout(io.StringIO()):  # it prints what it thinks of pyarrow
+    with warnings.catch_warnings(), redirect_stdout(io.StringIO()):  # it prints a message about pyarrow
         warnings.simplefilter("ignore")
         import libsumo
     options = ["--no-step-log", "--no-warnings", "--collision.action", "none", "--time-to-teleport", "-1"]
@@ -100,7 +100,7 @@ def simulate(
     step : of SUMO, and the controller's sampling period [s]
     seed : of SUMO
     disturbance : between controller and vehicles; none by default
-    to_contact : end where two vehicles touch
+    to_contact : end when two vehicles touch
     """
     disturbance = disturbance or Disturbance()
     with TemporaryDirectory() as name:
@@ -168,7 +168,7 @@ class _Run:
         return Record(time[:done], x[:done], v[:done], road[:done], emitted[0], emitted[1], reports)
 
     def _read(self, x: Vector, v: Vector, on_road: NDArray[np.bool_], emitted: Vector) -> None:
-        """Where everybody is and how fast, into the given rows; emissions since the last step are added."""
+        """Positions and speeds of all vehicles, into the given rows; emissions since the last step are added."""
         vehicle = self.sumo.vehicle
         for i, name in enumerate(self.names):
             lane = vehicle.getLaneID(name)
@@ -179,7 +179,7 @@ class _Run:
             emitted[1, i] += 1e-3 * self.step * vehicle.getFuelConsumption(name)
 
     def _hand_over(self) -> None:
-        """Tell SUMO who drives what."""
+        """Set in SUMO who controls each vehicle."""
         vehicle = self.sumo.vehicle
         for i, name in enumerate(self.names):
             vehicle.setLaneChangeMode(name, _CHANGE if i in self.changing else _STAY)
@@ -189,14 +189,14 @@ class _Run:
             vehicle.setSpeedMode("0", 0)
 
     def _ease(self, time: float, v_start: Vector) -> None:
-        """Lower the speed that SUMO's drivers want to v_star: of itself SUMO brakes at 9 m/s2 whoever is faster."""
+        """Lower the desired speed of SUMO's drivers to v_star gently: SUMO itself brakes faster vehicles at 9 m/s2."""
         for name, speed in zip(self.names, v_start, strict=True):
             before, now = (speed - _EASE * at for at in (time - self.step, time))
             if time <= self.step or before > self.scenario.v_star:
                 self.sumo.vehicle.setMaxSpeed(name, max(now, self.scenario.v_star))
 
     def _stay(self, on_road: NDArray[np.bool_]) -> None:
-        """Nobody leaves the through lane: who has come from the ramp has changed lanes for the last time."""
+        """Vehicles on the through lane stay there, including those that have merged from the ramp."""
         for i in [i for i in self.changing if on_road[i]]:
             self.sumo.vehicle.setLaneChangeMode(self.names[i], _STAY)
             self.changing.remove(i)
@@ -221,7 +221,7 @@ class _Run:
             self.sumo.vehicle.setSpeed(self.names[i], v[i])
 
     def _count_in(self, x: Vector, v: Vector) -> None:
-        """A vehicle on the acceleration lane belongs to the platoon from when it is beside a gap (virtual vehicle)."""
+        """A vehicle on the acceleration lane joins the platoon as soon as it is beside a gap (virtual vehicle)."""
         for i in list(self.waiting):
             ahead = [j for j in self.members if x[j] > x[i]]
             behind = [j for j in self.members if x[j] <= x[i]]
@@ -231,7 +231,7 @@ class _Run:
                 self.waiting.remove(i)
 
     def _change_lane(self, i: int, order: list[int], x: Vector) -> None:
-        """Change to the through lane where there is room."""
+        """Change to the through lane if there is room."""
         place, least = order.index(i), LENGTH + LANE_CHANGE_ROOM
         free_ahead = place == 0 or x[order[place - 1]] - x[i] > least
         free_behind = place == len(order) - 1 or x[i] - x[order[place + 1]] > least

@@ -1,4 +1,4 @@
-"""How far delay and lag may go together, with V_new and V_old."""
+"""Which delay and lag are tolerated together, with V_new and V_old."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from .simulation import Disturbance, simulate
 
 DELAYS = (0.0, 0.1, 0.2, 0.3, 0.5, 0.7)  # [s] of the sensors
 LAGS = (0.0, 0.1, 0.2, 0.3, 0.5, 0.8)  # [s] of the actuators
-DURATIONS = {"highway": 20.0, "stop-and-go": 60.0}  # [s] one wave and a bit
+DURATIONS = {"highway": 20.0, "stop-and-go": 60.0}  # [s] a little more than one wave
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One run, which ends where two vehicles touch.
+    """One run, which ends when two vehicles touch.
 
     Attributes
     ----------
     contact : when they do [s], infinite if never
     violation : the first sampling instant with T >= T_max or with a measurement outside the state space [s], infinite
         if there was none
-    gap_min : smallest free space, 0 where vehicles touched [m]
+    gap_min : smallest clearance, 0 if vehicles touched [m]
     a_rms : r.m.s. acceleration [m/s2]
     """
 
@@ -42,7 +42,7 @@ class Trial:
 
 @dataclass(frozen=True)
 class Tolerance:
-    """What a delay and a lag did to one driver from several starts.
+    """The effect of a delay and a lag on one driver from several starts.
 
     Attributes
     ----------
@@ -53,12 +53,12 @@ class Tolerance:
 
     @property
     def collided(self) -> int:
-        """Starts of which vehicles touched."""
+        """Number of starts in which vehicles touched."""
         return sum(np.isfinite(trial.contact) for trial in self.trials)
 
     @property
     def violated(self) -> int:
-        """Starts with a violation."""
+        """Number of starts with a violation."""
         return sum(np.isfinite(trial.violation) for trial in self.trials)
 
     @property
@@ -68,7 +68,7 @@ class Tolerance:
 
     @property
     def gap_min(self) -> float:
-        """The smallest free space [m]."""
+        """The smallest clearance [m]."""
         return min(trial.gap_min for trial in self.trials)
 
 
@@ -76,7 +76,7 @@ Case = tuple[str, float, float]  # driver, delay [s], lag [s]
 
 
 def swept(fmu: Path, led: bool) -> list[Driver]:
-    """The controllers of a sweep; behind a leader they are told its speed.
+    """The controllers of a sweep; behind a leader they receive its speed.
 
     Parameters
     ----------
@@ -147,8 +147,8 @@ def of_sweep(runs: Mapping[str, Row], scenario: str) -> dict[Case, Tolerance]:
 def tolerance_table(found: Mapping[Case, Tolerance], driver: str) -> str:
     """A Markdown table: delays down, lags across.
 
-    A cell says in how many starts vehicles touched and when the first contact or violation came; where none touched,
-    the least free gap.
+    A cell says in how many starts vehicles touched and when the first contact or violation came; if none touched,
+    the least clearance.
 
     Parameters
     ----------
@@ -183,7 +183,7 @@ def _cell(row: Tolerance) -> str:
 
 
 def announced(trials: Sequence[Trial]) -> str:
-    """How many contacts there were, and how long before each T_max or the state space told of trouble.
+    """How many contacts there were, and how long before each T_max or the state space gave a warning.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ from .palette import colours
 from .style import RC, new_figure
 
 FRAMES_PER_SECOND = 15
-CAR = 0.84  # length of a drawn vehicle, in L: at the smallest allowable gap two vehicles do not touch
+CAR = 0.84  # length of a drawn vehicle, in L: at the smallest allowable spacing two vehicles do not touch
 _WIDTH = 2.0  # [m] of a drawn vehicle
 _MARKS = 12.0  # [m] between lane markings
 
@@ -33,7 +33,7 @@ class FilmError(PspError):
 
 
 def writer_for(path: Path) -> AbstractMovieWriter:
-    """What writes a film of this kind.
+    """The writer for a film of this kind.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def writer_for(path: Path) -> AbstractMovieWriter:
 
     Raises
     ------
-    FilmError : where the kind is unknown, or ffmpeg is needed and not there
+    FilmError : if the kind is unknown, or if ffmpeg is needed and missing
     """
     if path.suffix == ".gif":
         return PillowWriter(fps=FRAMES_PER_SECOND)
@@ -140,7 +140,7 @@ def _road(
 
 
 def markings(left: float, right: float, travelled: float) -> list[NDArray[np.float64]]:
-    """Corners of the lane markings, which stand still on the road and so pass by.
+    """Corners of the lane markings, which are fixed to the road and therefore move in the picture.
 
     Parameters
     ----------

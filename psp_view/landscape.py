@@ -1,4 +1,4 @@
-"""Draws the landscape of J over r and p from one start, with the choices that can be made on it (not in the paper)."""
+"""Draws the landscape of J over r and p from one start, with the choices of the selectors (not in the paper)."""
 
 from __future__ import annotations
 

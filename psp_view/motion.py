@@ -44,7 +44,7 @@ def draw_space_time(runs: Mapping[str, Run], command: str, constants: PlatoonPar
 
 
 def draw_phase(runs: Mapping[str, Run], command: str) -> Figure:
-    """Gap against its rate of change, one line per follower, from the start (dot) to the end (square).
+    """Spacing against its rate of change, one line per follower, from the start (dot) to the end (square).
 
     Parameters
     ----------
@@ -64,9 +64,9 @@ def draw_phase(runs: Mapping[str, Run], command: str) -> Figure:
                 axes.plot(run.s[:, i], rates[:, i], color=colour, linewidth=1.0, label=f"vehicle {i + 2}")
                 axes.plot(run.s[0, i], rates[0, i], "o", color=colour, markersize=4)
                 axes.plot(run.s[-1, i], rates[-1, i], "s", color=colour, markersize=4)
-            axes.set(title=name, xlabel="gap s [m]")
+            axes.set(title=name, xlabel="spacing s [m]")
         row[0].set_ylabel("ds/dt [m/s]")
         if len(palette) <= 12:
             row[-1].legend()
-        caption(figure, "Phase plot of every gap, from the start (dot) to the end (square).", command)
+        caption(figure, "Phase plot of every spacing, from the start (dot) to the end (square).", command)
     return figure

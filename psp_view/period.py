@@ -39,7 +39,7 @@ def draw_periods(certificates: Mapping[str, Certificate], command: str) -> Figur
         axes.set(xlabel="time [s]", ylabel="T_max [s]", yscale="log")
         axes.margins(x=0.0)
         axes.legend()
-        text = "Lemma 1: T is certified where it lies below T_max. Smallest T_max (dots): "
+        text = "Lemma 1: T is certified where it is below T_max. Smallest T_max (dots): "
         text += "; ".join(
             f"{name} {c.T_max[c.tightest]:.4g} s, {c.who(c.tightest)}" for name, c in certificates.items()
         )

@@ -71,7 +71,7 @@ def draw_potentials(command: str, constants: PlatoonParameters | None = None) ->
                 grid[1][column].plot(line.s, line.slope, style, color=colour)
             grid[0][column].set_title(f"influence of {_LETTERS[name]}")
             grid[0][column].legend()
-            grid[1][column].set_xlabel("gap s [m]")
+            grid[1][column].set_xlabel("spacing s [m]")
         grid[0][0].set(ylabel="V_new(s) [m²/s²]", ylim=(0.0, 6.0), xlim=(constants.L, constants.lam + 1.0))
         grid[1][0].set(ylabel="V_new'(s) [m/s²]", ylim=(-6.0, 6.0))
         text = "The potential V_new and its slope; parameters that a panel does not vary are "

@@ -1,4 +1,4 @@
-"""Runs from what an FMU of ours put out, as fmpy returns it or as a CSV file."""
+"""Runs from the outputs of an FMU of this project, as fmpy returns them or from a CSV file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Gaps, accelerations and speeds of several runs side by side (the paper's figures of scenarios 1 and 2)."""
+"""Spacings, accelerations and speeds of several runs side by side (the paper's figures of scenarios 1 and 2)."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Quantity:
 
 
 QUANTITIES = (
-    Quantity("s", "gap [m]", 2),
+    Quantity("s", "spacing [m]", 2),
     Quantity("a", "acceleration [m/s²]", 1),
     Quantity("v", "speed [m/s]", 1),
 )
@@ -55,7 +55,7 @@ def peaks(runs: Mapping[str, Run]) -> dict[str, float]:
 
 
 def draw_runs(runs: Mapping[str, Run], command: str, title: str = "") -> Figure:
-    """A row per run; gaps, accelerations and speeds against time side by side, on axes that the runs share.
+    """A row per run; spacings, accelerations and speeds against time side by side, on axes that the runs share.
 
     Accelerations that differ by more than a factor of ten between runs are drawn on a symmetric logarithmic axis,
     linear within 1 m/s2, because on a plain one the gentler run would be a flat line.
@@ -86,7 +86,7 @@ def draw_runs(runs: Mapping[str, Run], command: str, title: str = "") -> Figure:
             axes.set_xlabel("time [s]")
         handles, labels = grid[0][1].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=len(labels), fontsize=8, title=title or None)
-        text = "Gaps, accelerations and speeds; peak |acceleration|: "
+        text = "Spacings, accelerations and speeds; peak |acceleration|: "
         text += ", ".join(f"{name} {value:.4g} m/s²" for name, value in size.items()) + "."
         text += " The acceleration axis is logarithmic beyond ±1 m/s²." if symlog else ""
         caption(figure, text, command)
@@ -106,7 +106,7 @@ def _lines(axes: Axes, time: NDArray[np.float64], table: NDArray[np.float64], qu
 
 
 def save_runs(runs: Mapping[str, Run], path: str | Path, command: str, title: str = "") -> Path:
-    """Draw `draw_runs` and write it as what the suffix of `path` says.
+    """Draw `draw_runs` and write it in the format given by the suffix of `path`.
 
     Parameters
     ----------

@@ -61,7 +61,7 @@ def caption(figure: Figure, text: str, command: str) -> None:
 
 
 def save(figure: Figure, path: str | Path, command: str = "") -> Path:
-    """Write a figure as what the suffix says: PNG, SVG or PDF.
+    """Write a figure in the format given by the suffix: PNG, SVG or PDF.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def save(figure: Figure, path: str | Path, command: str = "") -> Path:
 
     Raises
     ------
-    PictureError : where the suffix is another one
+    PictureError : for any other suffix
     """
     path = Path(path)
     metadata: dict[str, dict[str, Any]] = {
@@ -85,9 +85,7 @@ def save(figure: Figure, path: str | Path, command: str = "") -> Path:
     }
     kind = path.suffix.lower()
     if kind not in metadata:
-        raise PictureError(
-            f"{path} is no picture that can be written", "give it a name that ends in .png, .svg or .pdf"
-        )
+        raise PictureError(f"{path} is not a supported picture file", "give it a name that ends in .png, .svg or .pdf")
     with matplotlib.rc_context(RC), whole_file(path) as partial:
         figure.savefig(partial, dpi=150, metadata=metadata[kind], format=kind[1:])
     return path

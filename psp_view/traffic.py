@@ -1,4 +1,4 @@
-"""Pictures of traffic: gaps and speeds behind a leader, and how far delay and lag may go together."""
+"""Pictures of traffic: clearances and speeds behind a leader, and which delay and lag are tolerated together."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from psp_traffic.simulation import Record
     from psp_traffic.sweep import Case, Tolerance
 
-_MOST_SHOWN = 60.0  # [m] of free gap; SUMO's drivers may fall back further
+_MOST_SHOWN = 60.0  # [m] of clearance; SUMO's drivers may fall back further
 
 
 def draw_following(records: Mapping[str, Record], duration: float, title: str, command: str) -> Figure:
-    """A row per driver: free gaps on the through lane, and speeds; a run that ended in a contact ends there.
+    """A row per driver: clearances on the through lane, and speeds; a run that ended in a contact ends there.
 
     Parameters
     ----------
@@ -52,14 +52,14 @@ def draw_following(records: Mapping[str, Record], duration: float, title: str, c
                 for axes in (left, right):
                     axes.axvline(touched, color="#D55E00", linewidth=0.8)
                 left.text(touched + 0.01 * duration, 0.8 * _MOST_SHOWN, f"contact at {touched:.1f} s", fontsize=8)
-            left.set(ylabel="free gap [m]", ylim=(0.0, _MOST_SHOWN), xlim=(0.0, duration))
+            left.set(ylabel="clearance [m]", ylim=(0.0, _MOST_SHOWN), xlim=(0.0, duration))
             left.set_title(name, loc="left", fontweight="bold")
             right.set_ylabel("speed [m/s]")
         for axes in grid[-1]:
             axes.set_xlabel("time [s]")
         handles, labels = grid[0][1].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=len(labels), fontsize=8, title=title)
-        text = f"Free space ahead of each follower and everybody's speed; gaps above {_MOST_SHOWN:g} m are not shown."
+        text = f"Clearance ahead of each follower and all speeds; clearances above {_MOST_SHOWN:g} m are not shown."
         caption(figure, text, command)
     return figure
 
@@ -87,7 +87,7 @@ def draw_tolerance(found: Mapping[Case, Tolerance], title: str, command: str) ->
         row[0].set_ylabel("delay of the sensors [s]")
         figure.colorbar(image, ax=list(row), label="share of starts with a contact")
         figure.suptitle(title, fontsize=9)
-        text = "In the fields: how many starts ended in a contact, else the least free gap of all of them."
+        text = "In the fields: number of starts that ended in a contact, else the least clearance of all starts."
         caption(figure, text, command)
     return figure
 

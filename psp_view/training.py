@@ -1,4 +1,4 @@
-"""Pictures of the offline half: losses of a training, regret of its networks."""
+"""Pictures of the offline part: losses of a training, regret of its networks."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def draw_regret(evaluation: Evaluation, command: str) -> Figure:
 
 
 def draw_regret_by_number(content: Mapping[str, Any], command: str) -> Figure:
-    """Mean regret over the number of vehicles, a line for each way, squares for those that serve a few numbers only.
+    """Mean regret over the number of vehicles, a line for each selector, squares if it serves a few numbers only.
 
     Parameters
     ----------

@@ -19,26 +19,29 @@ code { font-size: 0.95em; }
 """
 
 _SAMPLING_OF_A_LOOP = """<p>The feedback is sampled every <code>T</code> seconds by the FMU's own clock, beginning at
-the start time. A communication step may be <code>T</code>, a multiple of it, any part of it, or 0: what happens at the
-sampling instants does not depend on it, and between them the outputs follow the exact polynomials. At a communication
-point that is a sampling instant the outputs are those just after sampling.</p>
-<p>A vehicle joins where <code>insert</code> rises above 0.5, and leaves where <code>remove</code> does: at the
-communication point where the input is set, when the next step begins; if both, one leaves first. That is a sampling
-instant of its own; <code>alpha</code>, <code>r</code>, <code>p</code> are chosen anew for the new initial state. A
-vehicle joins only if Lemma 1 certifies <code>T</code> for the platoon with it; if not, <code>change_ok</code> is 0,
-<code>gap_offered</code> is a spacing that would be accepted, and a warning says so.</p>"""
+the start time. A communication step may be <code>T</code>, a multiple of it, any part of it, or 0: the results at
+the sampling instants are independent of it, and between them the outputs follow the exact polynomials. At a
+communication point that is a sampling instant the outputs are those just after sampling.</p>
+<p>A vehicle joins when <code>insert</code> rises above 0.5, and leaves when <code>remove</code> does: at the
+communication point where the input is set, when the next step begins; if both, one leaves first. This is a sampling
+instant of its own, followed by a replan of <code>alpha</code>, <code>r</code>, <code>p</code> for the new initial
+state. A vehicle joins only if Lemma 1 certifies <code>T</code> for the platoon with it; if not,
+<code>change_ok</code> is 0, <code>gap_offered</code> is a spacing that would be accepted, and a warning is
+logged.</p>"""
 _SAMPLING = {
-    "PspController": """<p>The sampling instants lie at start + <code>phase</code> + k <code>T</code>, whatever the
-communication step. At a communication point that is a sampling instant, set the inputs; the outputs read after that are
-the new commands, so that a host that sets, reads and then steps the plant has no delay. A host that does not read them
-then (most masters) has them one communication step later. Instants inside a communication step use the inputs of its
-beginning: communicate at every sampling instant. Between instants the commands are held.</p>
+    "PspController": """<p>The sampling instants are at start + <code>phase</code> + k <code>T</code>, independent of
+the communication step. At a communication point that is a sampling instant, set the inputs, step the controller, and
+read the commands; then give them to the plant and step it over the same time: there is no delay. Reading the commands
+after the inputs were set and before the step gives the same numbers, but FMI 2.0 (4.2.4) lists that as a wrong calling
+sequence. A master that steps both and exchanges values afterwards has them one communication step later.
+Instants inside a communication step
+use the inputs of its beginning: communicate at every sampling instant. Between instants the commands are held.</p>
 <p>With the fail-safe command (<code>bad_input</code> = 2) every active vehicle slows down with <code>a_safe</code>
-until the inputs are in order again; Lemma 1 then says nothing.</p>""",
-    "PspLeader": """<p>The speed is a function of time: it does not depend on the communication step.</p>""",
-    "PspPlant": """<p>The acceleration known at the end of a period of length <code>T</code> counts for all of it: a
-command that a master passes on late, but within the period, does what it would have done without the delay. Outputs
-show the motion at the beginning of the current period. With masters that pass values on between steps only, use a
+until the inputs are valid again; Lemma 1 does not apply then.</p>""",
+    "PspLeader": """<p>The speed is a function of time: it is independent of the communication step.</p>""",
+    "PspPlant": """<p>The acceleration known at the end of a period of length <code>T</code> applies to all of it: a
+command passed by a master late, but within the period, has the same effect as without the delay. Outputs show the
+motion at the beginning of the current period. With masters that exchange values between steps only, use a
 communication step of T/4 and give the controller <code>phase</code> = T/2.</p>""",
 }
 

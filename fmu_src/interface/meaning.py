@@ -1,6 +1,6 @@
-"""What the values of the variables mean to the model: the one place where FMI names and the model's structs meet.
+"""The meaning of the variables in the model: the one place where FMI names and the model's structs meet.
 
-Slaves, command line and the files for other tools all come here; the C of the native FMU reads the same names
+Slaves, command line and the files for other tools all use it; the C of the native FMU reads the same names
 (PSP_CONSTANTS_FIELDS and its like in psp_model.h, from `variable_names`).
 """
 
@@ -49,7 +49,7 @@ def constants_of(read: Read) -> PlatoonParameters:
 
     Raises
     ------
-    ModelError : where one is outside the model's domain; so do the functions below
+    ModelError : if one is outside the model's domain; the same for the functions below
     """
     return _struct(PlatoonParameters, read)
 

@@ -28,7 +28,7 @@ LOG_CATEGORIES = {
 
 @dataclass(frozen=True)
 class Component:
-    """What modelDescription.xml says beyond its variables.
+    """The content of modelDescription.xml besides its variables.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class Component:
     description : one sentence
     version : of the project
     guid : identifies the content of the FMU
-    generation_tool : who made it
+    generation_tool : the tool that made it
     capabilities : attributes of CoSimulation that are true
     source_files : C sources to compile, relative to sources/
     stop_time, step_size : of the default experiment [s]

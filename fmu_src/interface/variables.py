@@ -38,7 +38,7 @@ class Variable:
 
     @property
     def causality(self) -> str:
-        """FMI causality: what has a start value is a parameter or an input."""
+        """FMI causality: a variable with a start value is a parameter or an input."""
         if self.input:
             return "input"
         return "output" if self.start is None else "parameter"

@@ -25,7 +25,7 @@ _ALONE = "needs nothing but itself"
 NEEDS = "Needs nothing from outside.  sources/ holds the C sources; `fmpy compile` builds them for other platforms."
 _CAPABILITIES = ("canNotUseMemoryManagementFunctions", "canGetAndSetFMUstate", "canSerializeFMUstate")
 _HERE = Path(__file__).parent
-_OWN_SOURCES = {  # of each component, by the name of the header that says what an instance holds; the others are shared
+_OWN_SOURCES = {  # of each component, by the name of the header that defines an instance; the others are shared
     "platoon_model.h": (
         "platoon.h",
         "platoon_backend.c",
@@ -55,7 +55,7 @@ class NativeFmu:
     Attributes
     ----------
     name, description : of the FMU
-    header : in c/, says what an instance holds
+    header : in c/, defines an instance
     vehicles : n
     table : its variables
     networks : that go into it, by number of vehicles
@@ -75,7 +75,7 @@ class NativeFmu:
     more: Mapping[str, bytes] = field(default_factory=dict)
 
     def sources(self, guid: str) -> dict[str, bytes]:
-        """Everything that a C compiler needs beside FMI's headers, by file name.
+        """All files that a C compiler needs besides FMI's headers, by file name.
 
         Parameters
         ----------
@@ -95,7 +95,7 @@ class NativeFmu:
 
 
 def chosen_platforms(platforms: str) -> tuple[str, ...]:
-    """The platforms that `host` or `all` stands for."""
+    """The platforms meant by `host` or `all`."""
     return PLATFORMS if platforms == "all" else (host_platform(),)
 
 
@@ -104,8 +104,8 @@ def native_platoon(vehicles: int, networks: Mapping[int, NetworkFile]) -> Native
 
     Parameters
     ----------
-    vehicles : most vehicles N, at least 2
-    networks : from `networks_up_to`; without one for N parameter_source starts at 2
+    vehicles : largest number of vehicles N, at least 2
+    networks : from `networks_up_to`; without one for N parameter_source defaults to 2
     """
     table = platoon.platoon_table(vehicles, 1 if vehicles in networks else 2)
     reader = networks[vehicles].reader if vehicles in networks else None
@@ -117,7 +117,7 @@ def native_platoon(vehicles: int, networks: Mapping[int, NetworkFile]) -> Native
         table=table,
         networks=networks,
         notes=(*notes_on_networks(networks), NEEDS),
-        # an answer of a network has no derivative here: promised only where the defaults hold alpha, r, p fixed
+        # the output of a network has no derivative here: declared only if alpha, r, p are fixed by default
         capabilities=_CAPABILITIES if vehicles in networks else (*_CAPABILITIES, "providesDirectionalDerivative"),
         more=layered_standard(table, reference_results(table, reader)),
     )
@@ -128,8 +128,8 @@ def native_controller(capacity: int, networks: Mapping[int, NetworkFile]) -> Nat
 
     Parameters
     ----------
-    capacity : most vehicles N, at least 2
-    networks : from `networks_up_to`; without any parameter_source starts at 2
+    capacity : largest number of vehicles N, at least 2
+    networks : from `networks_up_to`; without any parameter_source defaults to 2
     """
     return NativeFmu(
         name="PspControllerNative",

@@ -87,7 +87,7 @@ def _motion_kernels() -> str:
 
 
 def kernels_header() -> str:
-    """psp_kernels.h: potential, feedback, Lemma 1, motion and objective of single gaps and vehicles.
+    """psp_kernels.h: potential, feedback, Lemma 1, motion and objective of single spacings and vehicles.
 
     Returns
     -------

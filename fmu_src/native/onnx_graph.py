@@ -31,12 +31,12 @@ class Layer:
 
 @dataclass(frozen=True)
 class Chain:
-    """Layers one after the other, perhaps with the gaps pooled in between.
+    """Layers one after the other, optionally with the spacings pooled in between.
 
     Attributes
     ----------
     layers : all of them
-    shared : how many of them are in front of the pooling; 0 where nothing is pooled
+    shared : how many of them are in front of the pooling; 0 if nothing is pooled
     """
 
     layers: tuple[Layer, ...]
@@ -44,7 +44,7 @@ class Chain:
 
     @property
     def radius(self) -> int:
-        """How many neighbours on each side the shared layers see a gap with."""
+        """The number of neighbours on each side that the shared layers take with a spacing."""
         return (self.layers[0].weights.shape[1] // CHANNELS - 1) // 2 if self.shared else 0
 
     @property
@@ -60,11 +60,11 @@ def candidates(graph: Any) -> Any:
 
 
 def chain_to(graph: Any, output: str) -> Chain:
-    """The layers from the graph's input, or from the windows around the gaps, to `output`.
+    """The layers from the graph's input, or from the windows around the spacings, to `output`.
 
     Raises
     ------
-    ValueError : where the graph holds something else than what psp_model/offline/onnx_file.py writes
+    ValueError : if the graph differs from what psp_model/offline/onnx_file.py writes
     """
     constants = {tensor.name: numpy_helper.to_array(tensor) for tensor in graph.initializer}
     made_by = {name: node for node in graph.node for name in node.output}

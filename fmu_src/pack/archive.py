@@ -9,7 +9,7 @@ from pathlib import Path
 
 from psp_model.whole_file import whole_file
 
-_EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest time a zip file can hold: builds carry no clock
+_EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest time a zip file can hold: builds contain no time stamps
 
 
 def content_digest(files: Mapping[str, bytes]) -> str:
@@ -37,7 +37,7 @@ def guid_of(digest: str) -> str:
 
 
 def write_fmu(path: Path, files: Mapping[str, bytes]) -> None:
-    """Write the archive, whole or not at all; modelDescription.xml comes first, as readers that stream like it.
+    """Write the archive, whole or not at all; modelDescription.xml comes first, for readers that stream.
 
     Parameters
     ----------

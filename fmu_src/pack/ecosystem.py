@@ -1,7 +1,7 @@
-"""Files around an FMU that other tools ask for: SSP with parameter sets, cross-check files, FMI-LS-REF.
+"""Files for other tools, made from an FMU: SSP with parameter sets, cross-check files, FMI-LS-REF.
 
-`python -m fmu_src.pack.ecosystem FMU FOLDER` writes NAME_in.csv, NAME_ref.csv and NAME_ref.opt for an FMU of ours
-and, for the platoon, Platoon.ssp, scenario1.ssv and scenario2.ssv.
+`python -m fmu_src.pack.ecosystem FMU FOLDER` writes NAME_in.csv, NAME_ref.csv and NAME_ref.opt for an FMU of this
+project and, for the platoon, Platoon.ssp, scenario1.ssv and scenario2.ssv.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ STEP_SIZE = 0.01  # [s]
 
 
 def scenario_values(table: Sequence[Variable], scenario: str) -> dict[str, float]:
-    """All parameters of a scenario: the table's, with what the scenario changes.
+    """All parameters of a scenario: the table's, with the values that the scenario changes.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def write_cross_check(fmu: Path, folder: Path) -> list[Path]:
 
     Parameters
     ----------
-    fmu : an FMU of ours
+    fmu : an FMU of this project
     folder : where they go
 
     Returns
@@ -182,7 +182,7 @@ def layered_standard(table: Sequence[Variable], references: Mapping[str, str]) -
 
 
 def reference_results(table: Sequence[Variable], network: ParameterNetwork | None) -> dict[str, str]:
-    """What both scenarios give, from psp_model and without FMI: CSV text by scenario, a row every 0.1 s.
+    """The results of both scenarios, from psp_model and without FMI: CSV text by scenario, a row every 0.1 s.
 
     Parameters
     ----------
@@ -212,7 +212,7 @@ def reference_results(table: Sequence[Variable], network: ParameterNetwork | Non
 
 
 def main(fmu: Path, folder: Path) -> list[Path]:
-    """Write everything for an FMU and say what was written."""
+    """Write everything for an FMU and print what was written."""
     folder.mkdir(parents=True, exist_ok=True)
     written = write_cross_check(fmu, folder)
     if any(row.name == "J" for row in _variables(fmu, "output")):  # the platoon is a system by itself

@@ -1,6 +1,6 @@
 """A system of FMUs as one flat .ssp file: connectors on components, connections between them (SSP 1.0).
 
-SystemStructure.ssd is what a master opens that is told nothing else.  Each scenario is an .ssd file of its own, because
+SystemStructure.ssd is what a master opens by default.  Each scenario is an .ssd file of its own, because
 a master applies all parameters that one .ssd binds: of two values for a parameter, the last wins.
 """
 
@@ -23,7 +23,7 @@ _SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
 _SSV = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
 
 Connector = tuple[str, str]  # component, variable
-Values = Mapping[str, float]  # an int stands for an Integer
+Values = Mapping[str, float]  # an int means an Integer
 
 STOP_TIME = 20.0  # [s]
 SCENARIOS: Mapping[str, Values] = {  # the paper's, from the start values of the FMU
@@ -61,16 +61,16 @@ def parameters_of(fmu: Path) -> dict[str, float]:
 
 
 def with_values(parameters: Values, values: Values) -> dict[str, float]:
-    """All parameters of an FMU, with other values for those of them that are given one.
+    """All parameters of an FMU, with the given values in place of their start values.
 
     Parameters
     ----------
     parameters : from `parameters_of`
-    values : by name; names that are no parameter of this FMU are passed over
+    values : by name; names that are not parameters of this FMU are ignored
 
     Raises
     ------
-    ParameterError : where a value is not finite, or an Integer is given a number that is not whole
+    ParameterError : if a value is not finite, or a number for an Integer is not whole
     """
     found: dict[str, float] = {}
     for name, start in parameters.items():
@@ -134,7 +134,7 @@ def _write_component(parent: Element, name: str, component: SystemComponent, sce
 
 @dataclass(frozen=True)
 class System:
-    """FMUs, what passes between them, and how long and in which steps to run them.
+    """FMUs, their connections, and the duration and step of the run.
 
     Attributes
     ----------
@@ -214,7 +214,7 @@ def loop_connections(vehicles: int) -> list[tuple[Connector, Connector]]:
 
 
 def _loop_parameters(fmus: Mapping[str, Path], values: Values) -> dict[str, dict[str, dict[str, float]]]:
-    """Parameters of the loop's components by component and scenario; "given" are the values as they stand."""
+    """Parameters of the loop's components by component and scenario; "given" are the values unchanged."""
     parameters = {name: parameters_of(fmu) for name, fmu in fmus.items()}
     own = set().union(*parameters.values())
     unknown = sorted(set(values) - own)
@@ -233,8 +233,8 @@ def write_loop(
 ) -> Path:
     """A platoon of a plant, a controller and perhaps a leader FMU, with a communication step of T/4.
 
-    Masters that pass values on between steps only hand the command over one step late: the controller samples in the
-    middle of the plant's period what held at its beginning, and the plant counts what it gets for the whole period.
+    Masters that exchange values between steps only pass the command one step late: the controller samples in the
+    middle of the plant's period the state at its beginning, and the plant applies the command to the whole period.
 
     Parameters
     ----------

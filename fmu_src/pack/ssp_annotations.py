@@ -1,4 +1,4 @@
-"""What an .ssd tells single masters: the communication step, for which SSP 1.0 has no place, as each reads it."""
+"""Annotations in an .ssd for single masters: the communication step, undefined in SSP 1.0, as each reads it."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from xml.etree.ElementTree import Element, SubElement
 _OMS = "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd"
 _MCX = "com.avl.model.connect.ssp.task"  # both the type of the annotation and its namespace
 _OSP = "http://opensimulationplatform.com/SSP/OSPAnnotations"
-_SOLVER = "oms_ma_default"  # what OMSimulator's Python calls the solver of an FMU that names none
-_TOLERANCE = 1e-6  # OMSimulator asks for one; a master with a fixed step does not use it
+_SOLVER = "oms_ma_default"  # OMSimulator's Python name for the solver of an FMU that names none
+_TOLERANCE = 1e-6  # OMSimulator requires one; a master with a fixed step does not use it
 
 
 def _decimal(value: float) -> str:
@@ -32,7 +32,7 @@ def _add(parent: Element, contents: Mapping[str, tuple[str, Element]]) -> None:
 def annotate_system(system: Element, step_size: float) -> None:
     """State the step for OMSimulator: attributes for its Python interface, an element for its command line.
 
-    A component cannot name its solver: the command line refuses annotations there.
+    A component cannot name its solver: the command line rejects annotations there.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""`PspPlatoon.fmu`: the model in Python, run by pythonfmu's library behind our launcher."""
+"""`PspPlatoon.fmu`: the model in Python, run by pythonfmu's library, loaded by our launcher."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def _licences() -> dict[str, bytes]:
 
 
 def _requirements() -> str:
-    """What the FMU needs from outside, as pip reads it: the versions it was built with are known to work."""
+    """The requirements of the FMU, as pip reads them: the versions it was built with are known to work."""
     return "".join(f"{name}>={_oldest(name)}\n" for name in ("numpy", "onnxruntime"))
 
 
@@ -65,9 +65,9 @@ def build_python_fmu(vehicles: int, output: Path, networks: Mapping[int, Network
 
     Parameters
     ----------
-    vehicles : most vehicles N, at least 2
+    vehicles : largest number of vehicles N, at least 2
     output : folder
-    networks : from `networks_up_to`; without one for N parameter_source starts at 2
+    networks : from `networks_up_to`; without one for N parameter_source defaults to 2
 
     Returns
     -------
@@ -98,7 +98,7 @@ def pack_slave(
     ----------
     name, description : of the FMU
     table : its variables
-    config : what the slave finds in resources/
+    config : what the slave reads from resources/
     networks : that go into resources/
     notes : paragraphs of its page
     output : folder
@@ -126,7 +126,7 @@ def pack_slave(
 
 
 def _fixed_files(name: str, networks: Sequence[NetworkFile]) -> dict[str, bytes]:
-    """Everything that is copied into the FMU as it is."""
+    """All files copied into the FMU unchanged."""
     here = Path(__file__).parent
     found = _pythonfmu_libraries() | _licences()
     for platform, library in _LAUNCHERS.items():
@@ -142,7 +142,7 @@ def _fixed_files(name: str, networks: Sequence[NetworkFile]) -> dict[str, bytes]
 def _generated_files(
     component: Component, table: tuple[Variable, ...], config: dict[str, Any], digest: str
 ) -> dict[str, bytes]:
-    """Everything that names the content of the FMU."""
+    """All files that describe the content of the FMU."""
     module = f"psp_platoon_{digest[:12]}"
     described = Component(**(vars(component) | {"guid": guid_of(digest)}))
     slave = slave_module(component.name)

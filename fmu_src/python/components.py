@@ -1,4 +1,4 @@
-"""`PspController.fmu`, `PspPlant.fmu` and `PspLeader.fmu`: other people's vehicles."""
+"""`PspController.fmu`, `PspPlant.fmu` and `PspLeader.fmu`: FMUs for vehicles simulated elsewhere."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ def build_controller_fmu(capacity: int, output: Path, networks: Mapping[int, Net
 
     Parameters
     ----------
-    capacity : most vehicles N, at least 2
+    capacity : largest number of vehicles N, at least 2
     output : folder
-    networks : from `networks_up_to`; without any parameter_source starts at 2
+    networks : from `networks_up_to`; without any parameter_source defaults to 2
 
     Returns
     -------
@@ -59,7 +59,7 @@ def build_leader_fmu(vehicles: int, output: Path, profile: Path | None = None) -
 
     Parameters
     ----------
-    vehicles : of the platoon that follows; says nothing here
+    vehicles : of the platoon that follows; not used here
     output : folder
     profile : CSV file of a speed profile to drive instead of the wave
 
@@ -69,7 +69,7 @@ def build_leader_fmu(vehicles: int, output: Path, profile: Path | None = None) -
 
     Raises
     ------
-    ModelError : where the profile is none
+    ModelError : if the profile is invalid
     """
     description = f"{leader.DESCRIPTION}, steady or on a stop-and-go wave"
     config: dict[str, Any] = {"vehicles": vehicles}

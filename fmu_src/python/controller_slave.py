@@ -57,8 +57,8 @@ class PspController(TableSlave):
         super().__init__(**kwargs)
         self._networks, self._trained = networks_of(Path(self.resources), self._config["networks"])
         self._ahead: Command | None = None  # the decision at the instant that the current point is, if one is known
-        self._sampled = 0  # instants that lie in the past
-        self._set_at = 0.0  # [sampling periods] since the first sampling instant, when gaps or speeds were last set
+        self._sampled = 0  # instants already passed
+        self._set_at = 0.0  # [sampling periods] since the first sampling instant, when spacings or speeds were last set
         self._fresh = True  # inputs were set at this communication point
 
     def _make_table(self) -> tuple[Variable, ...]:

@@ -1,7 +1,7 @@
-"""The Python packages that go into an FMU, under names of its own: what its slave imports, and nothing else.
+"""The Python packages that go into an FMU, under names of its own: only what its slave imports.
 
-Two FMUs in one process share Python's table of modules: were the packages called alike, the second FMU would run the
-first one's code.  Other people's FMUs bring pythonfmu, too, of any version.
+Two FMUs in one process share Python's table of modules: if the packages had equal names, the second FMU would run the
+first one's code.  Other FMUs may also contain pythonfmu, in any version.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pathlib import Path
 PACKAGES = ("psp_model", "fmu_src", "pythonfmu")
 _ROOT = Path(__file__).parents[2]  # where psp_model and fmu_src are
 _SURROUNDINGS = "fmu_src.python.surroundings"  # the script of the FMU imports it
-_FACE = "psp_model"  # imports everything for its users; in an FMU nobody uses it
+_FACE = "psp_model"  # imports everything for its users; in an FMU it is not used
 _SLAVES = {
     "PspPlatoon": "python.platoon_slave",
     "PspController": "python.controller_slave",
@@ -92,12 +92,12 @@ def _is_module(name: str) -> bool:
 
 
 def _docstring_of(content: bytes) -> bytes:
-    """A module of which nothing is left but what it says of itself."""
+    """A module reduced to its docstring."""
     return f'"""{ast.get_docstring(ast.parse(content))}"""\n'.encode()
 
 
 def renamed(sources: dict[str, bytes], suffix: str) -> dict[str, bytes]:
-    """The same files as packages of their own name, where they go in the FMU.
+    """The same files as packages of their own name, by their paths in the FMU.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The pythonfmu slave `PspPlant`: ideal vehicles to try a controller on."""
+"""The pythonfmu slave `PspPlant`: ideal vehicles to test a controller with."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class PspPlant(TableSlave):
         return plant_table(self.vehicles)
 
     def _initialise(self) -> IdealPlant:
-        n, free = self.vehicles, PlatoonParameters(L=_LEAST, v_max=_MOST)  # nothing but order and motion forward
+        n, free = self.vehicles, PlatoonParameters(L=_LEAST, v_max=_MOST)  # only order and forward motion are required
         gaps, speeds = np.array(self._numbers("s_start", 2, n)), np.array(self._numbers("v_start", 1, n))
         start = validate(PlatoonState(gaps, speeds, free, self._value("x_start")))
         return IdealPlant.begin(start, validate(Sampling(self._value("T"))).T)

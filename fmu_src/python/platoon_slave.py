@@ -1,6 +1,6 @@
 """The pythonfmu slave `PspPlatoon`: a thin shim between FMI and `psp_model.SampledPlatoon`.
 
-Nothing here raises: whatever goes wrong is logged as one sentence with its status, and the launcher, the C library
+Nothing here raises: every failure is logged as one sentence with its status, and the launcher, the C library
 around this slave, returns that status from the FMI call.
 """
 
@@ -38,7 +38,7 @@ Vector = NDArray[np.float64]
 class PspPlatoon(TableSlave):
     """The closed loop of up to N vehicles as an FMI 2.0 co-simulation slave (design, section 3).
 
-    Vehicles join and leave where a communication step begins.
+    Vehicles join and leave at the beginning of a communication step.
     """
 
     _part: SampledPlatoon | None
@@ -59,14 +59,14 @@ class PspPlatoon(TableSlave):
     # initialisation
 
     def _describe(self) -> Description:
-        """What the parameters say, checked."""
+        """The settings given by the parameters, checked."""
         n, sampling = self._chosen("n_start"), self._sampling()
         start = start_of(self._value, n, constants_of(self._value))
         request = self._request()
         if request.asks_network:
             if not self._networks:
                 raise ModelError("no_network", n)
-            require_feasible(request.fixed, start.constants)  # or a later change could find no potential at all
+            require_feasible(request.fixed, start.constants)  # otherwise a later change might find no potential
         return Description(start, weights_of(self._value), sampling, request.old)
 
     def _initialise(self) -> SampledPlatoon:
@@ -83,17 +83,17 @@ class PspPlatoon(TableSlave):
         return platoon
 
     def _selector(self, sampling: Sampling) -> Selector:
-        """Who selects the potential for vehicles that have just come together."""
+        """The selector of the potential for a new set of vehicles."""
         return selector_for(self._request(), self._networks, weights_of(self._value), sampling)
 
     def _lies_in_domain(self, platoon: SampledPlatoon) -> float:
-        """1.0 if there is a network for so many vehicles and they are in its training domain, else 0.0."""
+        """1.0 if there is a network for this number of vehicles and they are in its training domain, else 0.0."""
         return float(lies_in_domain(self._trained, platoon.now.s, platoon.now.v, platoon.constants))
 
     # joining and leaving
 
     def _make_changes(self) -> None:
-        """Let a vehicle leave, then one join, where the triggers have risen."""
+        """Let a vehicle leave, then one join, if the triggers have risen."""
         before, values = self._members, self._values
         insert, remove = values[self._insert], values[self._remove]
         if insert == before.insert and remove == before.remove:
@@ -107,7 +107,7 @@ class PspPlatoon(TableSlave):
         self._become(replace(self._members, insert=insert, remove=remove))
 
     def _make(self, change: Callable[[OpenPlatoon], tuple[OpenPlatoon, Refusal | None]]) -> None:
-        """Make a change or note why not."""
+        """Make a change or record why it was rejected."""
         platoon = self._part
         assert platoon is not None
         members, selector, warning = self._members, self._selector(platoon.sampling), None
@@ -115,7 +115,7 @@ class PspPlatoon(TableSlave):
         def choose(s: Vector, v: Vector) -> PotentialParameters:
             nonlocal warning
             selection = selector.select(s, v, platoon.constants)
-            warning = selection.warning  # what an earlier trial was warned of does not count
+            warning = selection.warning  # warnings of earlier trials are dropped
             return selection.potential
 
         road = OpenPlatoon(platoon, self.vehicles, choose, members.vehicles, members.joined)
@@ -146,11 +146,11 @@ class PspPlatoon(TableSlave):
             self._clock = before.after(current_time, step_size, platoon.sampling.T)
             platoon.advance_to(*self._clock.at())
         except ModelError as error:
-            if platoon.partway is not None:  # the outputs then show the last instant that was in order
+            if platoon.partway is not None:  # the outputs then show the last valid instant
                 platoon.now = platoon.partway
                 self._clock = _gone_back(platoon, before, current_time)
                 return self._discard(error)
-            # the outputs then show the instant that was refused
+            # the outputs then show the rejected instant
             self._clock = self._clock._replace(period=platoon.now.period, offset=platoon.now.fraction)
             raise
         return True
@@ -164,7 +164,7 @@ class PspPlatoon(TableSlave):
         return [value for part in (*parts, reported, self._told) for value in part]
 
     def _reported(self, platoon: SampledPlatoon, cost: list[float]) -> list[float]:
-        """The outputs behind the motion, in the order of the table."""
+        """The outputs after the motion, in the order of the table."""
         now, shape = platoon.now, platoon.shape
         assert isinstance(shape, PotentialParameters)
         of_acceleration, of_gaps = cost
@@ -192,9 +192,9 @@ class PspPlatoon(TableSlave):
 
 
 def _gone_back(platoon: SampledPlatoon, before: Clock, begin: float) -> Clock:
-    """The clock at the last instant, at a time to which a step from `begin` passes that instant in spite of rounding.
+    """The clock at the last instant, at a time to which a step from `begin` passes that instant despite rounding.
 
-    An instant just behind a nominal one, as policy 3 has them, may have no time of its own.
+    An instant just after a nominal one, as with policy 3, may have no representable time of its own.
     """
     now, T, (period, fraction) = platoon.now, platoon.sampling.T, before.at()
     time = before.time + (now.period - period + (now.fraction - fraction)) * T

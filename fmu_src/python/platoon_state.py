@@ -1,4 +1,4 @@
-"""What a state keeps of the closed loop, in memory and as bytes."""
+"""The part of a state that holds the closed loop, in memory and as bytes."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from .state_check import bound, count, number, potential, record, require, varia
 
 @dataclass(frozen=True)
 class Members:
-    """Which vehicles there are, and what became of the changes asked for.
+    """The vehicles present, and the results of the requested changes.
 
     Attributes
     ----------
     vehicles : number of each vehicle, leader first
-    joined : vehicles there have been so far
-    change_ok : 1.0 if the last change asked for was made, or none was
-    gap_offered : at which the vehicle refused last could have joined, 0 if there was none [m]
-    changes, refusals : made and refused so far
+    joined : number of vehicles so far
+    change_ok : 1.0 if the last requested change was made, or none was requested
+    gap_offered : spacing at which the vehicle rejected last could have joined, 0 if there was none [m]
+    changes, refusals : made and rejected so far
     insert, remove : the triggers when the last step began
     """
 
@@ -61,8 +61,8 @@ class Kept:
 
     Attributes
     ----------
-    in_domain : 1.0 if the vehicles were in the network's domain when the potential was chosen
-    members : which vehicles there are
+    in_domain : 1.0 if the vehicles were in the network's domain when the potential was selected
+    members : the vehicles present
     shape : the potential in use
     now : the last sampling instant
     loop, sampling : as `SampledPlatoon` has them
@@ -84,7 +84,7 @@ def kept_of(platoon: SampledPlatoon, members: Members, in_domain: float) -> Kept
 
     Parameters
     ----------
-    platoon, members, in_domain : the platoon, and what else `Kept` has
+    platoon, members, in_domain : the platoon, and the other fields of `Kept`
     """
     shape = platoon.shape
     assert isinstance(shape, PotentialParameters)
@@ -93,7 +93,7 @@ def kept_of(platoon: SampledPlatoon, members: Members, in_domain: float) -> Kept
 
 @dataclass(frozen=True)
 class Description:
-    """What the parameters say of a platoon.
+    """The platoon described by the parameters.
 
     Attributes
     ----------
@@ -115,11 +115,11 @@ def restored(data: Any, here: Clock, capacity: int, described: Description) -> K
     data : read from JSON
     here : where the last communication point is
     capacity : most vehicles N
-    described : what the parameters say
+    described : by the parameters
 
     Raises
     ------
-    ValueError : where no run can come to such a state
+    ValueError : if no run can reach such a state
     """
     kept = record(data, _KEPT)
     constants, in_domain = described.start.constants, number(kept["in_domain"])
@@ -169,6 +169,6 @@ def _instant(data: Any, capacity: int) -> Instant:
 
 
 def _require_here(now: Instant, here: Clock) -> None:
-    """A time between the last instant and the next, to a period: others would pass without end."""
+    """A time between the last instant and the next, to within a period: otherwise instants would pass without end."""
     period, fraction = here.at()
     require(-1.0 <= period - now.period + fraction - now.fraction <= 1.0 + TIME_TOLERANCE)

@@ -13,7 +13,7 @@ from psp_model.sampling.clock import Clock
 from .state_check import clock, flag, fresh, record, variables
 
 IN_MEMORY = {"in memory": True}
-"""Metadata of fields that bytes leave out: the parameters are fixed, and say it again."""
+"""Metadata of fields that bytes leave out: the parameters are fixed, and hold the same values."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +25,7 @@ class SlaveState:
     values : the parameters and inputs, in the order of the table
     clock : where the last communication point is
     initialising : whether in initialisation mode
-    part : what is kept of that which the parameters describe, None before there is such a thing
+    part : the state of what the parameters describe, None before that exists
     """
 
     values: tuple[float, ...]
@@ -66,7 +66,7 @@ def from_json(
 
     Raises
     ------
-    ValueError : where no run can come to such a state
+    ValueError : if no run can reach such a state
     """
     state = record(data, [field.name for field in fields(SlaveState)])
     values, here = variables(state["values"], integers), clock(state["clock"])

@@ -1,6 +1,6 @@
-"""What is read from the bytes of a saved state, checked: anybody can forge the checksum of the launcher around it.
+"""Checks of what is read from the bytes of a saved state: the launcher's checksum around it can be forged.
 
-Whatever is wrong raises ValueError; `TableSlave` turns it into one sentence.
+Every error raises ValueError; `TableSlave` turns it into one sentence.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ Vector = NDArray[np.float64]
 
 
 def require(holds: bool) -> None:
-    """Refuse the state unless something holds."""
+    """Reject the state unless a condition holds."""
     if not holds:
         raise ValueError("no run can come to this state")
 
@@ -45,13 +45,13 @@ def number(value: Any, least: float = -np.inf) -> float:
 
 
 def bound(value: Any) -> float:
-    """T_max: a number, perhaps an infinite one."""
+    """T_max: a number, possibly infinite."""
     require(type(value) in (int, float) and not isnan(value))
     return float(value)
 
 
 def count(value: Any, least: int = 0) -> int:
-    """A whole number, not below `least` and not above what can be counted."""
+    """A whole number, not below `least` and not above the largest count of periods."""
     require(type(value) is int and least <= value <= MOST_PERIODS)
     return int(value)
 
@@ -71,7 +71,7 @@ def clock(value: Any) -> Clock:
 
 
 def fresh(here: Clock) -> None:
-    """Refuse a clock that has passed a step, where nothing has been made yet that could have passed it, too.
+    """Reject a clock that has passed a step before anything exists that could have made the step.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def variables(value: Any, integers: Sequence[bool]) -> tuple[float, ...]:
 
 
 def potential(value: Any, constants: PlatoonParameters, old: bool) -> PotentialParameters:
-    """A potential that can have been chosen.
+    """A potential that can have been selected.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What an FMU in Python needs of the Python that it runs in, said in one sentence where it is missing.
+"""Requirements of a Python FMU on its interpreter; what is missing is reported in one sentence.
 
 Any Python from 3.7 on must be able to read this file, and it imports nothing but the standard library: it runs before
 anything that could be missing is imported, in the FMU and, as a program, in the Python that `psp doctor` asks.
@@ -15,11 +15,11 @@ from typing import Any
 
 OLDEST_PYTHON = (3, 11)
 REMEDY = "or use the native FMU, which needs no Python"
-NOEXEC = "failed to map segment"  # how the dynamic linker says that a file system is mounted noexec
+NOEXEC = "failed to map segment"  # the dynamic linker's message for a file system mounted noexec
 
 
 class Unsuitable(Exception):
-    """What is missing; pythonfmu passes on its `repr`, and the launcher takes the sentence from behind the mark."""
+    """What is missing; pythonfmu passes on its `repr`, and the launcher takes the sentence after the mark."""
 
     def __repr__(self) -> str:
         return "psp: " + str(self.args[0])
@@ -54,7 +54,7 @@ def package_problem(package: str, needed: str, found: Sequence[str], executable:
     Parameters
     ----------
     package : its name
-    needed : the oldest version that will do
+    needed : the oldest sufficient version
     found : from `look_at`
     executable : the Python that was asked
     """
@@ -87,7 +87,7 @@ def look_at(package: str) -> tuple[str, str, str]:
         module = import_module(package)
     except ModuleNotFoundError as error:
         return ("", "", "") if error.name == package else (_installed(package), "", one_line(error))
-    except Exception as error:  # a package of another build raises whatever it likes
+    except Exception as error:  # a package of another build may raise any exception
         return _installed(package), "", one_line(error)
     version = getattr(module, "__version__", "")  # not in a folder of that name, which an uninstallation left
     return str(version), os.path.dirname(getattr(module, "__file__", None) or ""), ""
@@ -120,7 +120,7 @@ def load(module: str, name: str, numpy: str) -> Any:
     ----------
     module : in which it is
     name : of the class
-    numpy : the oldest version of numpy that will do
+    numpy : the oldest sufficient version of numpy
 
     Raises
     ------
@@ -145,8 +145,8 @@ def load(module: str, name: str, numpy: str) -> Any:
 def keep(script: dict[str, Any]) -> None:
     """Add a reference to the globals of the script in which pythonfmu looks for the slave.
 
-    pythonfmu runs that script once more for every instance, and each time gives back a reference that it does not own;
-    without one to spare the globals would be freed under its feet.
+    pythonfmu runs that script once more for every instance, and each time releases a reference that it does not own;
+    without one to spare the globals would be freed while in use.
 
     Parameters
     ----------
@@ -167,11 +167,11 @@ def keep(script: dict[str, Any]) -> None:
 
 
 def main(packages: Sequence[str]) -> None:
-    """Print what `psp doctor` asks, a line of JSON behind a mark.
+    """Print the answer for `psp doctor`, a line of JSON after a mark.
 
     Parameters
     ----------
-    packages : names; only numpy and onnxruntime are imported, whatever an archive names
+    packages : names; only numpy and onnxruntime are imported, regardless of the names in an archive
     """
     import json
     import sysconfig

@@ -1,6 +1,6 @@
 """What all slaves share: a table of variables, values by reference, failures as one logged sentence.
 
-Nothing here raises: whatever goes wrong is logged as one sentence with its status, and the launcher, the C library
+Nothing here raises: every failure is logged as one sentence with its status, and the launcher, the C library
 around a slave, returns that status from the FMI call.
 """
 
@@ -31,8 +31,8 @@ from .slave_state import SlaveState, as_json, from_json
 from .surroundings import Unsuitable, one_line
 
 CONFIG = "platoon.json"  # what build_fmu.py decided: how many vehicles, which networks
-TIME_REFERENCE = 2**31 - 1  # under which the launcher asks how far a step came; it keeps hosts from it
-LONGEST = 1e9  # [s] T_max of a lone vehicle at rest with v_star is infinite, which importers do not like
+TIME_REFERENCE = 2**31 - 1  # by which the launcher asks how far a step came; hosts cannot use it
+LONGEST = 1e9  # [s] T_max of a lone vehicle at rest with v_star is infinite, which importers do not accept
 
 Result = TypeVar("Result")
 
@@ -44,7 +44,7 @@ def logged(call: Callable[..., Result]) -> Callable[..., Result | bool | list[fl
     def guarded(self: TableSlave, *args: Any) -> Any:
         try:
             return call(self, *args)
-        except Exception as error:  # a defect of ours must not crash the host
+        except Exception as error:  # a defect of the FMU must not crash the host
             self.log(str(_explained(call.__name__, error)), Fmi2Status.error)
         except BaseException as error:  # the host's, which the launcher raises there; most wait until the call is over
             self.log(str(FmiError("interrupted", call.__name__, type(error).__name__)), Fmi2Status.error)
@@ -55,7 +55,7 @@ def logged(call: Callable[..., Result]) -> Callable[..., Result | bool | list[fl
 
 
 def _explained(call: str, error: Exception) -> PspError:
-    """What a call has raised, as a sentence that says whose fault it is."""
+    """What a call has raised, as a sentence that names the cause."""
     if isinstance(error, PspError):
         return error
     if isinstance(error, MemoryError):
@@ -84,7 +84,7 @@ class StateOfBytes:
 class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
     """A slave whose variables are the rows of a table.
 
-    A subclass says which table (`_make_table`), what the parameters describe (`_initialise`) and what that puts out
+    A subclass says which table (`_make_table`), what the parameters describe (`_initialise`) and its outputs
     (`_outputs`).
     """
 
@@ -103,11 +103,11 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         self._place = {variable.name: place for place, variable in enumerate(self._table)}
         self._values: list[float] = [0.0 if row.start is None else row.start for row in self._table]
         self._first_output = next(place for place, row in enumerate(self._table) if row.start is None)
-        self._clock = Clock()  # before initialisation it stands at the start
+        self._clock = Clock()  # before initialisation it is at the start
         self._initialising = False
         self._part: Any = None  # what the parameters describe, made when initialisation ends or outputs are read
-        self._stale = True  # the outputs in _values lag behind
-        # Real and Integer variables read last, found to be in order
+        self._stale = True  # the outputs in _values are not up to date
+        # Real and Integer variables read last, already checked
         self._read: dict[bool, list[int]] = {False: [], True: []}
 
     def _make_table(self) -> tuple[Variable, ...]:
@@ -118,7 +118,7 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         raise NotImplementedError
 
     def _outputs(self, part: Any) -> Iterable[float]:
-        """What it puts out at the communication point, in the order of the table."""
+        """Its outputs at the communication point, in the order of the table."""
         raise NotImplementedError
 
     def _changed(self, inputs: bool) -> None:
@@ -202,28 +202,28 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
     # time
 
     def _require_here(self, time: float, step_size: float) -> None:
-        """The launcher's time [s] is ours: only a forged state can tear them apart, or have no part to step."""
+        """The launcher's time [s] is ours: only a forged state can make them differ, or have no part to step."""
         near = abs(time - self._clock.time) <= 1e-3 + 1e-5 * step_size + 1e-9 * abs(time)
         if self._part is None or not near:
             raise FmiError("state")
 
     def _discard(self, error: PspError) -> bool:
-        """Say that a step ended early, at a time at which it could have ended well; what a slave returns then."""
+        """Report that a step ended early, at a time at which a step could have succeeded; the slave's return value."""
         self.log(str(error), Fmi2Status.discard)
         return False
 
     # the whole state
 
     def _kept(self, part: Any) -> Any:
-        """What a state keeps of the part, which nothing that happens later changes."""
+        """The saved form of the part, which later steps do not change."""
         raise NotImplementedError
 
     def _taken_up(self, kept: Any) -> Any:
-        """The part from what a state has kept of it."""
+        """The part from its saved form."""
         raise NotImplementedError
 
     def _restored(self, data: Any, here: Clock) -> Any:
-        """What a state keeps, from JSON, every field checked; ValueError where no run can come to it.
+        """The saved form, from JSON, every field checked; ValueError if no run can reach it.
 
         Parameters and inputs have the values of that state meanwhile.
         """
@@ -235,13 +235,13 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         return SlaveState(tuple(self._values[: self._first_output]), self._clock, self._initialising, kept)
 
     def _become_state(self, state: SlaveState) -> None:
-        """Go on from there."""
+        """Continue from a state."""
         self._values = [*state.values, *[0.0] * (len(self._values) - len(state.values))]
         self._clock, self._initialising, self._stale = state.clock, state.initialising, True
         self._part = None if state.part is None else self._taken_up(state.part)
 
     def _restore(self, data: Any) -> SlaveState:
-        """The state that JSON holds, every field checked; ValueError where no run can come to it."""
+        """The state in the JSON, every field checked; ValueError if no run can reach it."""
 
         def part(data: Any, values: Sequence[float], here: Clock) -> Any:
             with self._with_values(values):
@@ -256,15 +256,15 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
 
     @logged
     def _set_fmu_state(self, state: Any) -> None:
-        """Go on from a state; one that has come as bytes is only checked when it is set for the first time.
+        """Continue from a state; one that came as bytes is checked only when it is set for the first time.
 
-        pythonfmu reads bytes without an instance, so nothing could be said then: the launcher sets the state at once.
+        pythonfmu reads bytes without an instance, so nothing could be logged then: the launcher sets the state at once.
         """
         if isinstance(state, StateOfBytes):
             if state.state is None:
                 try:
                     state.state = self._restore(json.loads(state.data))
-                except Exception:  # whatever forged bytes lead to
+                except Exception:  # any consequence of forged bytes
                     raise FmiError("state") from None
                 return
             state = state.state
@@ -280,14 +280,14 @@ class TableSlave(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
 
     @contextmanager
     def _with_values(self, values: Sequence[float]) -> Iterator[None]:
-        """While it lasts, parameters and inputs have other values."""
+        """A context in which parameters and inputs have other values."""
         before, self._values = self._values, [*values, *self._values[len(values) :]]
         try:
             yield
         finally:
             self._values = before
 
-    # what the parameters say
+    # the meaning of the parameters
 
     def _value(self, name: str) -> float:
         return self._values[self._place[name]]

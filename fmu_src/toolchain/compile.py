@@ -31,7 +31,7 @@ FRONT = (
 )
 ENDINGS = {"linux64": "so", "win64": "dll", "darwin64": "dylib"}
 WARNINGS = ("-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
-# without fused multiply-add x86-64 and arm64 compute alike; a library must not carry paths, clocks or host settings
+# without fused multiply-add x86-64 and arm64 agree; a library must not contain paths, clocks or host settings
 FLAGS = ("-O3", "-g0", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno", "-shared", "-s")
 _TARGETS = {
     "linux64": ("x86_64-linux-gnu.2.17",),
@@ -46,7 +46,7 @@ def host_platform() -> str:
 
     Raises
     ------
-    BuildError : on machines that none of the platforms runs on
+    BuildError : on a machine of none of these platforms
     """
     name = {"Linux": "linux64", "Windows": "win64", "Darwin": "darwin64"}.get(system())
     if name is None or (name != "darwin64" and machine() not in ("x86_64", "AMD64")):
@@ -60,7 +60,7 @@ def fmi_headers() -> dict[str, bytes]:
 
 
 def prefix_header(name: str) -> str:
-    """psp_prefix.h: what stands in front of every name that a linker sees, FMI's functions aside.
+    """psp_prefix.h: the prefix of every external name except FMI's functions.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The explorer's page, by NiceGUI: sliders on the left, what the model makes of them on the right."""
+"""The explorer's page, by NiceGUI: sliders on the left, the response of the model on the right."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Explorer:
             ui.number("start drawn by seed", value=seed, min=0, precision=0, on_change=self._seeded).classes("w-40")
         with ui.expansion("start, vehicle by vehicle").classes("w-full"):
             for i in range(2, self.vehicles + 1):
-                self._slider(f"s[{i}]", f"gap s[{i}] [m]", c.L + 0.1, c.lam + 5.0, 10.0, 0.1)
+                self._slider(f"s[{i}]", f"spacing s[{i}] [m]", c.L + 0.1, c.lam + 5.0, 10.0, 0.1)
             for i in range(1, self.vehicles + 1):
                 self._slider(f"v[{i}]", f"speed v[{i}] [m/s]", 0.0, c.v_max, c.v_star, 0.1)
 
@@ -101,7 +101,7 @@ class Explorer:
         self.update()
 
     def choice(self) -> Choice:
-        """Where the sliders stand."""
+        """The values of the sliders."""
         read = {name: float(slider.value) for name, slider in self.sliders.items()}
         gaps = tuple(read[f"s[{i}]"] for i in range(2, self.vehicles + 1))
         speeds = tuple(read[f"v[{i}]"] for i in range(1, self.vehicles + 1))
@@ -109,7 +109,7 @@ class Explorer:
         return Choice(bool(self.potential.value), alpha, read["r"], read["p"], gaps, speeds)
 
     def update(self) -> None:
-        """Run the model for where the sliders stand, and show what came out."""
+        """Run the model for the values of the sliders, and show the result."""
         if self._held:
             return
         choice = self.choice()

@@ -15,7 +15,7 @@ from ..runs import QUANTITIES
 
 _CEILING = 8.0  # V and V' are drawn up to this
 _EVERY = 4  # sampling instants per point drawn
-_GREY = "#8b949e"  # what stands for black: it can be seen on light and on dark ground
+_GREY = "#8b949e"  # instead of black: visible on light and on dark backgrounds
 
 
 def _layout(x: str, y: str, **more: Any) -> dict[str, Any]:
@@ -36,7 +36,7 @@ def _palette(count: int) -> list[str]:
 
 
 def run_plots(found: Response) -> list[dict[str, Any]]:
-    """Gaps, accelerations and speeds over time.
+    """Spacings, accelerations and speeds over time.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def run_plots(found: Response) -> list[dict[str, Any]]:
 
 
 def potential_plots(found: Response) -> list[dict[str, Any]]:
-    """V and V' over the gap, with the gaps at the end of the run on V.
+    """V and V' over the spacing, with the spacings at the end of the run on V.
 
     Parameters
     ----------
@@ -69,12 +69,12 @@ def potential_plots(found: Response) -> list[dict[str, Any]]:
         ends = found.run.s[-1]
         marker = {"color": colours(2)[1], "size": 8}
         heights = np.interp(ends, s, found.curve.V).tolist()
-        name = "gaps at the end"
+        name = "spacings at the end"
         potential.append({"x": ends.tolist(), "y": heights, "mode": "markers", "marker": marker, "name": name})
     slope = [{"x": s.tolist(), "y": _cut(found.curve.slope), "name": "V'", "line": blue}]
     return [
-        {"data": potential, "layout": _layout("gap s [m]", "V [m²/s²]")},
-        {"data": slope, "layout": _layout("gap s [m]", "V' [m/s²]")},
+        {"data": potential, "layout": _layout("spacing s [m]", "V [m²/s²]")},
+        {"data": slope, "layout": _layout("spacing s [m]", "V' [m/s²]")},
     ]
 
 

@@ -60,7 +60,7 @@ def _version(name: str) -> str:
 def _commit() -> str | None:
     """The commit that the model's files are at, with a mark where they differ from it."""
     if checkout() is None:
-        return None  # a repository around a wheel is somebody else's
+        return None  # a repository around an installed wheel is not this project's
     folder = Path(psp_model.__file__).parent
     try:
         head = subprocess.run(["git", "rev-parse", "HEAD"], cwd=folder, capture_output=True, text=True, check=True)

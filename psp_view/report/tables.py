@@ -65,7 +65,7 @@ def warnings(cases: Sequence[Case]) -> str:
 
 
 def certificate(cases: Sequence[Case]) -> str:
-    """What Lemma 1 says of each run.
+    """The result of Lemma 1 for each run.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def shared(values: Iterable[str]) -> str:
 
 
 def start(cases: Sequence[Case]) -> str:
-    """Gaps and speeds at the start.
+    """Spacings and speeds at the start.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def start(cases: Sequence[Case]) -> str:
     for i in range(starts[0].v.size):
         gap = shared(f"{one.s[i - 1]:.10g}" for one in starts) if i else ""
         rows.append([str(i + 1), gap, shared(f"{one.v[i]:.10g}" for one in starts)])
-    return table(["vehicle", "gap ahead [m]", "speed [m/s]"], rows)
+    return table(["vehicle", "spacing ahead [m]", "speed [m/s]"], rows)
 
 
 def provenance(entries: Mapping[str, str]) -> str:

@@ -139,7 +139,7 @@ def test_a_picture_holds_the_runs_and_its_command(tmp_path: Path):
     figure = draw_runs(pair, "psp compare --plot $HOME/a.png")
     drawn = figure.axes[3].lines
     np.testing.assert_array_equal(drawn[4].get_ydata(), pair["V_new"].s[:, 4])
-    assert figure.axes[0].get_ylabel() == "gap [m]" and figure.axes[-1].get_xlabel() == "time [s]"
+    assert figure.axes[0].get_ylabel() == "spacing [m]" and figure.axes[-1].get_xlabel() == "time [s]"
     assert "psp compare --plot $HOME/a.png" in figure.get_supxlabel()
     for ending in ("png", "svg"):
         file = save_runs(pair, tmp_path / f"runs.{ending}", "psp compare")
@@ -155,7 +155,7 @@ def test_the_suffix_decides_the_format(tmp_path: Path, ending: str, begins: byte
 
 
 def test_other_suffixes_are_refused(tmp_path: Path):
-    with pytest.raises(ValueError, match=r"\.jpg is no picture .* ends in \.png, \.svg or \.pdf"):
+    with pytest.raises(ValueError, match=r"\.jpg is not a supported picture file.* ends in \.png, \.svg or \.pdf"):
         save(draw_potentials("psp figures"), tmp_path / "potentials.jpg")
     assert not list(tmp_path.iterdir())
 

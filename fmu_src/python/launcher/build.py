@@ -33,7 +33,7 @@ def launcher(platform: str) -> bytes:
 
 
 def path_of(platform: str) -> Path:
-    """Where the compiled launcher for one platform stands."""
+    """The path of the compiled launcher for one platform."""
     return BINARIES / platform / f"psp_launcher.{ENDINGS[platform]}"
 
 

@@ -1,7 +1,7 @@
 "use strict";
 // The plots: a row per quantity, a plot per run, drawn when they come into view and linked in time.
 const ROWS = [
-  ["gap", "gap [m]", 2, "m"],
+  ["gap", "spacing [m]", 2, "m"],
   ["acceleration", "acceleration [m/s²]", 1, "m/s²"],
   ["speed", "speed [m/s]", 1, "m/s"],
 ];
@@ -81,7 +81,7 @@ class Plots {
       table: joined(runs.map((run) => [run.T_max.t, run.T_max.y[0]])) });
     this.add(row, { ...common, field: "J", label: "J so far [1]", unit: "", title: "Objective", timed: true, table: joined(runs.map((run) => [run.J.t, run.J.y[0]])) });
     for (const [field, label, title, unit] of [["V", "V(s) [m²/s²]", "Potential", "m²/s²"], ["slope", "V'(s) [m/s²]", "Its slope", "m/s²"]]) {
-      this.add(row, { ...common, field, label, title, unit, below: "gap s [m]", table: joined(this.data.curves.map((curve) => [curve.s, curve[field]])) });
+      this.add(row, { ...common, field, label, title, unit, below: "spacing s [m]", table: joined(this.data.curves.map((curve) => [curve.s, curve[field]])) });
     }
   }
 

@@ -92,7 +92,7 @@ class Road {
     const length = Math.max(0.84 * this.data.L * scale, 2);
     places.forEach((place, i) => this.car(pen, x(place), height, length, colours[i], pushes[i] < -0.5, i + 1));
     this.gapLabels(pen, places, gaps, x, scale, height, length);
-    spans[0].textContent = "smallest gap " + Math.min(...gaps).toFixed(2) + " m";
+    spans[0].textContent = "smallest spacing " + Math.min(...gaps).toFixed(2) + " m";
     spans[1].textContent = "largest |acceleration| " + Math.max(...pushes.map(Math.abs)).toFixed(2) + " m/s²";
     spans[2].textContent = "T_max " + at(run.T_max, this.time)[0].toFixed(4) + " s";
   }
