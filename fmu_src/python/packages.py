@@ -12,9 +12,8 @@ from importlib.resources import files
 from pathlib import Path
 
 PACKAGES = ("psp_model", "fmu_src", "pythonfmu")
-_ROOT = Path(__file__).parents[2]  # where psp_model and fmu_src are
 _SURROUNDINGS = "fmu_src.python.surroundings"  # the script of the FMU imports it
-_FACE = "psp_model"  # imports everything for its users; in an FMU it is not used
+_FACES = ("psp_model", "pythonfmu")  # packages that import everything for their users, of whom an FMU has none
 _SLAVES = {
     "PspPlatoon": "python.platoon_slave",
     "PspController": "python.controller_slave",
@@ -34,7 +33,7 @@ def slave_module(name: str) -> str:
 
 
 def model_sources(name: str) -> dict[str, bytes]:
-    """The Python files of a slave, of all that it imports of this project, and of pythonfmu, by name.
+    """The Python files of a slave, and of all that it imports of this project and of pythonfmu, by name.
 
     Parameters
     ----------
@@ -45,22 +44,19 @@ def model_sources(name: str) -> dict[str, bytes]:
     while waiting:
         module = waiting.pop()
         path = _path_of(module)
-        place = path.relative_to(_ROOT).as_posix()
+        place = path.relative_to(_root_of(module)).as_posix()
         if place in found:
             continue
-        content = path.read_bytes()
-        if module == _FACE:
-            content = _docstring_of(content)
+        content = _docstring_of(path.read_bytes()) if module in _FACES else path.read_bytes()
         found[place] = content
         waiting += imported_modules(content, module, path.name == "__init__.py")
         if "." in module:
             waiting.append(module.rpartition(".")[0])
-    found |= {f"pythonfmu/{f.name}": f.read_bytes() for f in files("pythonfmu").iterdir() if f.name.endswith(".py")}
     return dict(sorted(found.items()))
 
 
 def imported_modules(content: bytes, module: str, is_package: bool) -> Iterator[str]:
-    """The modules of this project that a module imports, wherever in it, by absolute name.
+    """The modules of PACKAGES that a module imports, wherever in it, by absolute name.
 
     Parameters
     ----------
@@ -78,22 +74,28 @@ def imported_modules(content: bytes, module: str, is_package: bool) -> Iterator[
             names = [base, *(name for name in inner if _is_module(name))]
         else:
             continue
-        yield from (name for name in names if name.partition(".")[0] in PACKAGES[:2])
+        yield from (name for name in names if name.partition(".")[0] in PACKAGES)
+
+
+def _root_of(module: str) -> Path:
+    """The folder that the package of a module is in."""
+    return Path(str(files("pythonfmu"))).parent if module.startswith("pythonfmu") else Path(__file__).parents[2]
 
 
 def _path_of(module: str) -> Path:
-    """The file of a module of this project."""
-    place = _ROOT.joinpath(*module.split("."))
+    """The file of a module of PACKAGES."""
+    place = _root_of(module).joinpath(*module.split("."))
     return place / "__init__.py" if place.is_dir() else place.with_suffix(".py")
 
 
 def _is_module(name: str) -> bool:
-    return name.partition(".")[0] in PACKAGES[:2] and _path_of(name).exists()
+    return name.partition(".")[0] in PACKAGES and _path_of(name).exists()
 
 
 def _docstring_of(content: bytes) -> bytes:
     """A module reduced to its docstring."""
-    return f'"""{ast.get_docstring(ast.parse(content))}"""\n'.encode()
+    text = ast.get_docstring(ast.parse(content))
+    return f'"""{text}"""\n'.encode() if text else b""
 
 
 def renamed(sources: dict[str, bytes], suffix: str) -> dict[str, bytes]:
