@@ -67,7 +67,7 @@ def main() -> int:
     rows: dict[str, Counter[str]] = {}
     unexplained, unused = [], set(explained)
     for mutant, status in statuses().items():
-        row = rows.setdefault(mutant.split(".")[1], Counter())
+        row = rows.setdefault(".".join(mutant.split("__mutmut_")[0].split(".")[1:-1]), Counter())
         if status in KILLED or status is None:
             row["not run" if status is None else "killed"] += 1
             continue

@@ -133,9 +133,20 @@ def test_a_spacing_at_L_ends_the_law_and_decides_nothing_anew() -> None:
     assert now.cost[0] > 0.0 < now.cost[1]
     error = refusal(loop, now, verdict)
     assert error.key == "left_gap" and error.values == (2, now.s[0], CONSTANTS.L, 2.0)
-    certified = begin(loop_with(2.0, 2), 7.0, np.array([90.0]), np.array([30.0, 30.0]))
-    found, verdict = resample(loop, certified[0], (0, 0.5), (1.0, np.array([CONSTANTS.L]), np.array([30.0, 30.0])))
-    assert verdict is Verdict.OUTSIDE and (found.period, found.fraction) == (0, 0.5) and found.s[0] == CONSTANTS.L
+    for array in (now.s, now.v):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1.0
+
+
+def test_a_change_that_puts_a_spacing_at_L_is_outside_and_names_the_vehicle() -> None:
+    loop, s, v = loop_with(2.0, 2), np.array([90.0, 95.0]), np.full(3, 30.0)
+    now, _ = begin(loop, 7.0, s, v)
+    found, verdict = resample(loop, now, (0, 0.5), (1.0, np.array([30.0, CONSTANTS.L]), v))
+    assert verdict is Verdict.OUTSIDE and (found.period, found.fraction) == (0, 0.5) and found.x == 1.0
+    assert found.cost == after(loop, now, 1.0)[1] and found.cost[1] > 0.0
+    assert refusal(loop, found, verdict).values == (3, CONSTANTS.L, CONSTANTS.L, 1.0)
+    apart, verdict = resample(loop, now, (0, 0.5), (1.0, s, v))
+    assert verdict is not Verdict.OUTSIDE and apart.cost == found.cost
 
 
 @dataclass(frozen=True)
@@ -177,6 +188,8 @@ def test_periods_are_cut_in_halves_down_to_the_shortest_and_end_at_nominal_insta
     calm = begin(loop_with(0.01, 3), 0.0, np.array([12.0]), np.array([30.0, 30.0]))[0]
     late, _ = resample(loop_with(0.01, 3), calm, (0, 0.625), (0.0, calm.s, calm.v))
     assert late.span == 0.375 and late.ends == (1, 0.0)
+    later, _ = resample(loop_with(0.01, 3), late, (0, 0.875), (0.0, calm.s, calm.v))
+    assert later.span == 0.125 and later.cost == after(loop_with(0.01, 3), late, 0.25 * 0.01)[1]
 
 
 def test_a_state_is_what_the_loop_says_it_is() -> None:

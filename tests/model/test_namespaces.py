@@ -7,13 +7,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from psp_model import V_OLD, ObjectiveWeights, feedback, largest_period, potential, potential_slope
+from psp_model import V_OLD, ObjectiveWeights, PaperLaw, feedback, largest_period, potential, potential_slope
 from psp_model.law.feedback import f, g, gain, repulsion
 from psp_model.law.potential import PotentialParameters
 from psp_model.objective import running_cost
 from psp_model.parameters import generic
-from psp_model.sampling.hold import advance, travelled
+from psp_model.sampling.exact import exact_period
+from psp_model.sampling.hold import IDEAL, advance, travelled
 from psp_model.sampling.lemma1 import period_bounds
+from psp_model.sampling.period import decide, hold
 from strategies import CONSTANTS, feasible_triple
 
 TAU = 0.007  # [s]
@@ -35,10 +37,20 @@ def model(s: Any, v: Any, shape: Any) -> list[Any]:
         a,
         *period_bounds(s, v, a, CONSTANTS),
         largest_period(s, v, a, CONSTANTS),
+        exact_period(s, v, a, CONSTANTS),
+        *whole_period(s, v, shape),
         *advance(s, v, a, TAU),
         travelled(v, a, TAU),
         *running_cost(s, v, a, TAU, WEIGHTS),
     ]
+
+
+def whole_period(s: Any, v: Any, shape: Any) -> list[Any]:
+    """The same by what runs, rollouts and the search's engine repeat."""
+    vehicles = IDEAL.begin(0.0 * v[0], s, v)
+    _, a, bound = decide(PaperLaw(shape, CONSTANTS), None, vehicles)
+    after, terms = hold(IDEAL, vehicles, a, TAU, WEIGHTS)
+    return [a, bound, after.x, after.s, after.v, *terms]
 
 
 def batch(vehicles: int, count: int) -> tuple[Any, Any, Any]:
