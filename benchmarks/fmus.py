@@ -24,7 +24,7 @@ from .worker import Worker
 ROOT = Path(__file__).parents[1]
 CACHE = ROOT / "build" / "bench"
 HOSTS = Path(__file__).parent / "hosts"
-ON_HILL, OFF_HILL = 12.0, 15.0  # [m] gaps that stay on the hill of r = 11 m over a segment, and beyond it
+ON_HILL, OFF_HILL = 12.0, 15.0  # [m] spacings that stay on the hill of r = 11 m over a segment, and beyond it
 KINDS = ("python", "native", "empty python", "empty native")
 
 
@@ -37,7 +37,7 @@ class Fmu:
     folder, model, guid : where it lies, its modelIdentifier, its GUID
     vehicles : n
     outputs, first_output : how many Real outputs, and the reference of the first; the others follow
-    s_start, v_start, source : references of the first gap, the first speed and parameter_source; -1: it has none
+    s_start, v_start, source : references of the first spacing, the first speed and parameter_source; -1: it has none
     """
 
     folder: str

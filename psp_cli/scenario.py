@@ -26,7 +26,7 @@ class _Strict(BaseModel):
 
 
 class StartTable(_Strict):
-    """`[start]`: gaps (spacings) and speeds, or a seed to draw them by from the networks' training domain."""
+    """`[start]`: spacings (key `gaps`) and speeds, or a seed to draw them by from the networks' training domain."""
 
     gaps: list[Number] | None = None
     speeds: list[Number] | None = None

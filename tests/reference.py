@@ -116,7 +116,7 @@ def reference_run(
 
     Parameters
     ----------
-    s0, v0, x0 : initial gaps s_2..s_n [m], speeds v_1..v_n [m/s] and position of vehicle 1 [m]
+    s0, v0, x0 : initial spacings s_2..s_n [m], speeds v_1..v_n [m/s] and position of vehicle 1 [m]
     alpha, r, p : of the potential; V_old is alpha = 1 with hill False
     T, duration : sampling period and length of the run [s]
     """

@@ -13,13 +13,13 @@ from ..parameters import HILL_WIDTH, PlatoonParameters
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """One potential over a range of gaps.
+    """One potential over a range of spacings.
 
     Attributes
     ----------
     label : what distinguishes it
     shape : its parameters
-    s : (K,) gaps [m]
+    s : (K,) spacings [m]
     V : (K,) potential [m2/s2]
     slope : (K,) V' [m/s2]
     """
@@ -59,7 +59,7 @@ def hill(shape: PotentialParameters, constants: PlatoonParameters) -> tuple[floa
 
     Returns
     -------
-    gap of the minimum and gap of the crest [m], or None where V falls all the way
+    spacing of the minimum and spacing of the crest [m], or None where V falls all the way
     """
     if not shape.hill:
         return None
@@ -73,7 +73,7 @@ def hill(shape: PotentialParameters, constants: PlatoonParameters) -> tuple[floa
 
 
 def _root(falling: float, rising: float, shape: PotentialParameters, constants: PlatoonParameters) -> float:
-    """Bisect for the zero of V' between a gap where it is at most 0 and one where it is above."""
+    """Bisect for the zero of V' between a spacing where it is at most 0 and one where it is above."""
     for _ in range(60):
         middle = 0.5 * (falling + rising)
         if potential_slope(np.array([middle]), shape, constants)[0] > 0:

@@ -29,7 +29,7 @@ class Choice:
     ----------
     old : V_old instead of V_new
     alpha, r, p : parameters of V_new [1], [m], [1]
-    s : n-1 gaps at the start [m]
+    s : n-1 spacings at the start [m]
     v : n speeds at the start [m/s]
     """
 

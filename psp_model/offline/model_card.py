@@ -12,7 +12,7 @@ from .evaluate import Evaluation, as_markdown
 
 _TEXT = """# {name}
 
-Gives alpha, r, p of the potential for a platoon of {vehicles} vehicles from its initial gaps and speeds.
+Gives alpha, r, p of the potential for a platoon of {vehicles} vehicles from its initial spacings and speeds.
 
 - **Recipe** `{recipe}`; layers {layers}{ranking}.
 - **Made by** `{made}`, seed {seed}
@@ -109,7 +109,7 @@ def _shape(model: Any, about: Mapping[str, str]) -> dict[str, str]:
 
 
 def _chain(shapes: list[list[int]]) -> str:
-    """Widths of a chain of layers, with a bar where the gaps are pooled: there the next layer takes twice as much."""
+    """Widths of a chain of layers, a bar where spacings are pooled: the next layer takes twice as much."""
     words = [str(shapes[0][0])] if shapes else []
     for (_, width), (taken, _) in zip(shapes, [*shapes[1:], [0, 0]], strict=True):
         words.append(f"{width} | {taken}" if taken > width else str(width))

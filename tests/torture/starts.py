@@ -27,7 +27,7 @@ class Lanes:
     L, lam, v_star, v_max, epsilon, mu, z : (B,) constants
     alpha, r, p, hill : (B,) parameters
     T : (B,) sampling periods [s]
-    s, v : (n-1, B), (n, B) initial gaps [m] and speeds [m/s]
+    s, v : (n-1, B), (n, B) initial spacings [m] and speeds [m/s]
     """
 
     L: Array
