@@ -15,7 +15,7 @@ from .state import shortened
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Run:
-    """The output of a run, K times along the first axis.
+    """The output of a run, K times along the first axis; `simulate` gives read-only arrays.
 
     Attributes
     ----------

@@ -59,6 +59,9 @@ class Loop:
 class Instant(NamedTuple):
     """Everything the loop knows at a sampling instant, just after sampling; the whole state of a run.
 
+    s, v and a are read-only.  What controller and plant keep besides (memory, actuators) is theirs, and is not looked
+    into.
+
     Attributes
     ----------
     period, fraction : time since the start is (period + fraction) T; fraction is in [0, 1), not 0 in cut periods only

@@ -25,8 +25,8 @@ class StoppingIntegrators(DoubleIntegrators):
         stops = v < 0
         until = np.where(stops, vehicles.v / np.where(stops, -a, 1.0), tau)
         moved, v = travelled(vehicles.v, a, until), np.where(stops, 0.0, v)
-        after = Motion(vehicles.x + float(moved[0]), gaps_after(vehicles.s, moved), v)
-        return after, np.where(stops, (v - vehicles.v) / tau, a)
+        after = Motion(vehicles.x + moved[0], gaps_after(vehicles.s, moved), v)
+        return after, np.where(stops, (v - vehicles.v) / tau, a) if tau > 0.0 else a
 
 
 STOPPING = StoppingIntegrators()

@@ -15,9 +15,12 @@ import reference
 from psp_model import (
     BEST_FIXED,
     V_OLD,
+    Actuation,
     Controller,
+    DelayedVehicles,
     ObjectiveWeights,
     PaperLaw,
+    Plant,
     PlatoonParameters,
     PlatoonState,
     Potential,
@@ -32,6 +35,7 @@ from psp_model import (
 from psp_model.sampling.hold import IDEAL, Motion
 from psp_model.sampling.loop import with_potential
 from psp_model.sampling.period import decide, hold
+from psp_model.vehicles.ideal import STOPPING
 from strategies import CONSTANTS, feasible_triple, paper_start
 
 T, WEIGHTS = 0.01, ObjectiveWeights(w1=0.7, a_ref=2.0)
@@ -167,6 +171,31 @@ class HalfAsStrong:
     def advance(self, vehicles: Motion, a: Any, tau: Any) -> tuple[Motion, Any]:
         after, _ = IDEAL.advance(vehicles, self.share * a, tau)
         return after, self.share * a
+
+
+PLANTS: dict[str, Plant[Any]] = {
+    "ideal": IDEAL,
+    "stopping": STOPPING,
+    "late": DelayedVehicles(Actuation(0.013, 0.1)),
+    "one's own": HalfAsStrong(),
+}
+
+
+@pytest.mark.parametrize("name", PLANTS)
+def test_every_plant_costs_the_same_in_rollouts_and_in_runs(name: str) -> None:
+    start, candidates = PlatoonState(*paper_start(3, 4)), [BEST_FIXED, feasible_triple(2), SOFT]
+    costs, _ = rollout_costs(start, candidates, WEIGHTS, Sampling(), 0.7, plant=PLANTS[name])
+    runs = [simulate(start, one, weights=WEIGHTS, duration=0.7, plant=PLANTS[name]).J for one in candidates]
+    assert costs == pytest.approx(runs, rel=1e-12) and len(set(runs)) == 3
+
+
+@pytest.mark.parametrize("name", PLANTS)
+def test_a_plant_that_is_held_for_no_time_is_where_it_was(name: str) -> None:
+    (s, v), a = paper_start(3, 4), np.array([-3.0, 0.0, 2.0, 1.0])
+    vehicles = PLANTS[name].begin(2.0, s, v)
+    with np.errstate(all="raise"):
+        after, mean = PLANTS[name].advance(vehicles, a, 0.0)
+    assert after.x == 2.0 and np.array_equal(after.s, s) and np.array_equal(after.v, v) and np.isfinite(mean).all()
 
 
 MAKERS: dict[str, Callable[..., Any]] = {"law": PaperLaw, "late": OnePeriodLate}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 
 import reference
 from psp_model import BEST_FIXED, V_OLD, PotentialParameters, potential, potential_slope
-from psp_model.law.potential import on_hill
+from psp_model.law.potential import on_hill, stacked
 from strategies import CONSTANTS, any_triple, feasible_triple
 
 SHAPES = [V_OLD, BEST_FIXED, PotentialParameters(1e-2, 9.0, 3.0), PotentialParameters(1e-1, 17.0, 6.5)]
@@ -120,3 +121,34 @@ def test_the_minimum_before_the_hill_is_near_r(r: float) -> None:
     grid = np.linspace(r - 1.0, r + 1.0, 20001)
     minimum = grid[np.argmin(potential(grid, replace(BEST_FIXED, r=r), CONSTANTS))]
     assert r < minimum < r + 0.7
+
+
+@pytest.mark.parametrize(
+    ("shape", "text"),
+    [
+        (BEST_FIXED, "V_new, alpha = 0.001, r = 11 m, p = 5.5"),
+        (PotentialParameters(0.0123456, 9.87654321, 3), "V_new, alpha = 0.01235, r = 9.877 m, p = 3"),
+        (V_OLD, "V_old"),
+        (replace(V_OLD, alpha=0.02), "alpha = 0.02, no hill"),
+        (replace(V_OLD, r=9.0), "alpha = 1, no hill"),
+    ],
+)
+def test_a_potential_is_printed_by_its_parameters(shape: PotentialParameters, text: str) -> None:
+    assert str(shape) == text
+
+
+def test_potentials_of_one_family_become_one_of_arrays() -> None:
+    class Named(NamedTuple):
+        k: float
+        j: float
+
+    together = stacked([BEST_FIXED, V_OLD])
+    assert isinstance(together, PotentialParameters)
+    assert [getattr(together, name).tolist() for name in ("alpha", "r", "p", "hill")] == [
+        [1e-3, 1.0],
+        [11.0, 0.0],
+        [5.5, 0.0],
+        [1.0, 0.0],
+    ]
+    named = stacked([Named(1.0, 2.0), Named(3.0, 4.0), Named(5.0, 6.0)])
+    assert isinstance(named, Named) and named.k.tolist() == [1.0, 3.0, 5.0] and named.j.tolist() == [2.0, 4.0, 6.0]
