@@ -44,6 +44,23 @@ def test_away_from_the_bounds_it_is_the_paper_s_law_bit_for_bit(
     assert feedback_towards(*start, shape, CONSTANTS, desired).tolist() == expected.tolist()
 
 
+@given(omega(1e-6), shapes(), st.floats(V_MAX - SPEED_MARGIN, V_MAX))
+@settings(max_examples=60)
+def test_faster_it_is_the_paper_s_law_for_the_edge_with_its_goal_moved(
+    start: Start, shape: PotentialParameters, desired: float
+) -> None:
+    """Gains and repulsion stay those of v* = v_max - margin: what is added does not depend on the vehicle's speed."""
+    s, v = start
+    edge = V_MAX - SPEED_MARGIN
+    added, elsewhere = (
+        feedback_towards(s, speeds, shape, CONSTANTS, desired) - feedback_towards(s, speeds, shape, CONSTANTS, edge)
+        for speeds in (v, V_MAX - v)
+    )
+    scale = 1e-13 * (1.0 + np.abs(repulsion(s, shape, CONSTANTS))) * V_MAX
+    assert (np.abs(added - elsewhere) <= scale).all()
+    assert (added >= CONSTANTS.mu * (desired - edge) - scale).all()
+
+
 @given(omega(1e-2), shapes(), st.floats(1e-6, SPEED_MARGIN))
 @settings(max_examples=60)
 def test_slower_it_is_a_feedback_of_the_paper_s_form_with_less_repulsion(

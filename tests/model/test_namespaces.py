@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from psp_model import V_OLD, ObjectiveWeights, PaperLaw, feedback, largest_period, potential, potential_slope
-from psp_model.law.feedback import f, g, gain, repulsion
+from psp_model.law.feedback import f, feedback_towards, g, gain, repulsion
 from psp_model.law.potential import PotentialParameters
 from psp_model.objective import running_cost
 from psp_model.parameters import generic
@@ -39,6 +39,7 @@ def model(s: Any, v: Any, shape: Any) -> list[Any]:
         largest_period(s, v, a, CONSTANTS),
         exact_period(s, v, a, CONSTANTS),
         *whole_period(s, v, shape),
+        *(feedback_towards(s, v, shape, CONSTANTS, desired) for desired in (0.0, 0.2, 17.0, 34.9)),
         *advance(s, v, a, TAU),
         travelled(v, a, TAU),
         *running_cost(s, v, a, TAU, WEIGHTS),

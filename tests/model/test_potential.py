@@ -137,6 +137,11 @@ def test_a_potential_is_printed_by_its_parameters(shape: PotentialParameters, te
     assert str(shape) == text
 
 
+def test_a_potential_of_arrays_is_printed_as_what_it_holds() -> None:
+    together = stacked([BEST_FIXED, V_OLD])
+    assert str(together) == repr(together) and "array" in str(together)
+
+
 def test_potentials_of_one_family_become_one_of_arrays() -> None:
     class Named(NamedTuple):
         k: float
