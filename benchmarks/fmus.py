@@ -6,7 +6,6 @@ import io
 import json
 import os
 import shutil
-import subprocess
 import sys
 from contextlib import redirect_stdout
 from dataclasses import asdict, dataclass
@@ -17,7 +16,15 @@ from pathlib import Path
 from fmpy import extract, read_model_description
 
 from build_fmu import main as build
-from fmu_src.toolchain.compile import ENDINGS, FLAGS, FMI_HEADERS, SOURCES, compile_library, host_platform
+from fmu_src.toolchain.compile import (
+    ENDINGS,
+    FLAGS,
+    FMI_HEADERS,
+    SOURCES,
+    compile_library,
+    host_platform,
+    run_compiler,
+)
 
 from .worker import Worker
 
@@ -142,7 +149,8 @@ def compiled(source: str, vehicles: int = 0) -> Path:
         command = [sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-linux-gnu.2.17", *flags]
         command += [f"-DN={vehicles}"] if vehicles else []
         command += ["-I", str(FMI_HEADERS), "-o", str(program), str(HOSTS / f"{source}.c"), "-lm", "-ldl"]
-        subprocess.run(command, check=True)
+        if not run_compiler(command, program.parent):
+            raise RuntimeError(f"{source}.c cannot be compiled, the compiler's messages are above")
     return program
 
 

@@ -15,7 +15,7 @@ import fmpy
 from ..errors import BuildError
 
 FMI_HEADERS = Path(fmpy.__file__).parent / "c-code"
-SOURCES = Path(__file__).parents[1] / "c"  # what both FMUs share
+SOURCES = Path(__file__).parents[1] / "c"  # what all FMUs share
 FRONT = (
     "front.h",
     "backend.h",
@@ -96,9 +96,29 @@ def _compile_one(target: str, folder: Path, sources: Sequence[str], name: str, e
     command += [f"-Wl,-install_name,@rpath/{library.name}"] if ending == "dylib" else []
     command += ["-o", str(library.relative_to(folder)), *sources]
     command += ["-flto", "-lm", "-ldl", "-Wl,--as-needed"] if ending == "so" else []
-    if subprocess.run(command, cwd=folder, check=False).returncode:
+    if not run_compiler(command, folder):
         raise BuildError(f"the C compiler failed for {target}, its messages are above: mend what they name")
     return library.read_bytes()
+
+
+def run_compiler(command: Sequence[str], folder: Path) -> bool:
+    """Run a compiler; its messages go to stderr once it has ended.
+
+    They do not go there directly: Ctrl-C reaches all processes of the terminal, and one that is just starting prints
+    a traceback of its own.
+
+    Parameters
+    ----------
+    command : program and arguments
+    folder : to run it in
+
+    Returns
+    -------
+    whether it succeeded
+    """
+    ran = subprocess.run(command, cwd=folder, stderr=subprocess.PIPE, check=False)
+    sys.stderr.write(ran.stderr.decode(errors="replace"))
+    return ran.returncode == 0
 
 
 def compile_library(platform: str, name: str, files: Mapping[str, bytes], extra: Sequence[str] = ()) -> bytes:

@@ -64,7 +64,9 @@ def _commit() -> str | None:
     folder = Path(psp_model.__file__).parent
     try:
         head = subprocess.run(["git", "rev-parse", "HEAD"], cwd=folder, capture_output=True, text=True, check=True)
-        changed = subprocess.run(["git", "diff", "--quiet", "HEAD", "--", "."], cwd=folder, check=False).returncode
+        changed = subprocess.run(
+            ["git", "diff", "--quiet", "HEAD", "--", "."], cwd=folder, capture_output=True, check=False
+        ).returncode
     except (OSError, subprocess.CalledProcessError):
         return None
     return f"commit {head.stdout.strip()}" + (", psp_model changed since" if changed else "")

@@ -7,7 +7,6 @@ these; a sample runs through `SampledPlatoon` as well and must end in the same p
 from __future__ import annotations
 
 import ctypes
-import subprocess
 import sys
 from functools import cache
 from pathlib import Path
@@ -16,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from fmu_src.native.build import native_platoon
-from fmu_src.toolchain.compile import FMI_HEADERS
+from fmu_src.toolchain.compile import FMI_HEADERS, run_compiler
 from psp_model import Lemma1Policy, PlatoonParameters, PlatoonState, PotentialParameters, SampledPlatoon, Sampling
 
 from .starts import Array, Lanes, draw
@@ -52,7 +51,7 @@ def library(capacity: int, folder: Path) -> Any:
         command = [sys.executable, "-m", "ziglang", "cc", "-O3", "-std=c11", "-ffp-contract=off", "-fno-math-errno"]
         command += ["-shared", "-fPIC", "-I", str(FMI_HEADERS), "-I", str(sources), "-o", str(partial)]
         command += [*map(str, sorted(sources.glob("*.c"))), str(Path(__file__).with_suffix(".c")), "-lm"]
-        subprocess.run(command, check=True)
+        assert run_compiler(command, folder), "the compiler's messages are above"
         partial.replace(built)
     return ctypes.CDLL(str(built))
 

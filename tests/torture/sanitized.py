@@ -8,7 +8,7 @@ from pathlib import Path
 
 from fmu_src.native import build
 from fmu_src.networks import networks_up_to
-from fmu_src.toolchain.compile import FMI_HEADERS
+from fmu_src.toolchain.compile import FMI_HEADERS, run_compiler
 from native.fuzz import run as fuzzing
 
 from .trial import Chunk, Outcome
@@ -42,7 +42,8 @@ def program(component: str, sanitizer: str, folder: Path) -> Path:
         files = [Path(__file__).parent / "threads.c", *sorted(sources.glob("*.c"))]
         command = [str(fuzzing.compiler()), "-std=gnu11", "-O1", "-g", SANITIZERS[sanitizer]]
         command += ["-fno-sanitize-recover=all", "-I", str(FMI_HEADERS), "-I", str(sources), "-o", str(built)]
-        subprocess.run([*command, *map(str, files), "-lm", "-lpthread"], check=True)
+        command += [*map(str, files), "-lm", "-lpthread"]
+        assert run_compiler(command, folder), "the compiler's messages are above"
     return built
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import random
 import re
@@ -50,6 +51,8 @@ COMMANDS = {
     "an example": f"{ROOT}/examples/04_in_sumo.py",
 }
 NEEDS = {"sumo": "libsumo", "sweep": "libsumo", "an example": "libsumo", "explore": "nicegui"}
+PROGRAMS = ["psp_cli", "psp_model", "psp_traffic", "psp_view", "fmu_src", "benchmarks", "tests/torture", "examples"]
+STARTS = {f"subprocess.{name}" for name in ("run", "Popen", "check_call", "check_output", "call")} | {"os.system"}
 SENTENCE = re.compile(r"[\w.]+: interrupted(: `.+` goes on from here)?")
 
 
@@ -160,6 +163,35 @@ def test_ctrl_c_in_a_long_call_of_a_c_library(tmp_path: Path) -> None:
     assert process.stdout is not None and process.stdout.readline() == "waiting\n"
     assert end(process, group=False)[::2] == (130, "long_call: interrupted\n")
     assert left_over(tmp_path) == []
+
+
+def test_a_compiler_that_is_just_starting_says_nothing(tmp_path: Path) -> None:
+    """Ctrl-C reaches it too; Python prints a traceback, as does `python -m ziglang` before zig has begun."""
+    script = tmp_path / "compiles.py"
+    script.write_text(
+        "from psp_cli.interrupt import run\n"
+        "def main():\n"
+        "    import pathlib, sys\n"
+        "    from fmu_src.toolchain.compile import run_compiler\n"
+        "    child = 'import time; print(\"begun\", flush=True); time.sleep(600)'\n"
+        "    run_compiler([sys.executable, '-c', child], pathlib.Path())\n"
+        "run('compiles', main)\n"
+    )
+    process = begin(str(script), tmp_path)
+    assert process.stdout is not None and process.stdout.readline() == "begun\n"
+    assert end(process, group=True)[::2] == (130, "compiles: interrupted\n")
+
+
+def test_no_child_of_a_program_writes_to_its_stderr() -> None:
+    """What it says of a Ctrl-C would stand beside the one sentence."""
+    found = 0
+    for path in (path for part in PROGRAMS for path in sorted((ROOT / part).rglob("*.py"))):
+        for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(call, ast.Call) and ast.unparse(call.func) in STARTS:
+                taken = {keyword.arg for keyword in call.keywords} & {"capture_output", "stderr"}
+                assert taken, f"{path.relative_to(ROOT)}:{call.lineno} leaves stderr to what it starts"
+                found += 1
+    assert found > 10
 
 
 def test_pressing_again_while_it_cleans_up_changes_nothing(given: Path, tmp_path: Path) -> None:
