@@ -13,6 +13,7 @@ from ..objective import HORIZON
 from ..parameters import PlatoonParameters
 from ..platoon import SampledPlatoon
 from ..run import Run
+from ..sampling.clock import locate
 from ..sampling.lemma1 import period_bounds
 from ..sampling.policy import Lemma1Policy, Sampling
 from ..state import PlatoonState
@@ -143,7 +144,7 @@ def holds_throughout(start: PlatoonState, shape: PotentialParameters, T: float, 
     """
     try:
         platoon = SampledPlatoon.begin(start, shape, sampling=Sampling(T, Lemma1Policy.ERROR))
-        platoon.advance_to(int(duration / T), 0.0)
+        platoon.advance_to(locate(duration, T)[0], 0.0)
     except ModelError as error:
         if not error.key.startswith("lemma1"):
             raise

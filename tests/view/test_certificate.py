@@ -57,3 +57,19 @@ def test_the_largest_period_holds_and_a_little_more_does_not():
         assert not holds_throughout(one, shape, 1.001 * T, 5.0)
         with pytest.raises(ModelError, match="Lemma 1"):
             simulate(one, shape, sampling=Sampling(1.001 * T), duration=5.0)
+
+
+@pytest.mark.parametrize("T", [0.05, 0.07])
+def test_the_last_instant_of_a_run_counts_although_duration_over_T_is_rounded(T):
+    """In doubles 0.35 / 0.07 is below 5, yet a run of 0.35 s ends at its fifth instant, as that of `simulate` does."""
+    rounded_down = 0
+    for seed in range(40):
+        run = simulate(start(seed), BEST_FIXED, sampling=Sampling(T, Lemma1Policy.WARN), duration=40 * T)
+        refused = np.flatnonzero(run.T_max <= T)
+        if not refused.size or refused[0] == 0:
+            continue
+        k = int(refused[0])
+        rounded_down += int(round(k * T, 2) / T) < k
+        assert not holds_throughout(start(seed), BEST_FIXED, T, round(k * T, 2))
+        assert holds_throughout(start(seed), BEST_FIXED, T, (k - 0.5) * T)
+    assert rounded_down > 0
