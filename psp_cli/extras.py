@@ -39,7 +39,7 @@ def _mp4_without_ffmpeg(options: Mapping[str, Any]) -> bool:
     from shutil import which
 
     path = options["animate"]
-    return path is not None and path.suffix == ".mp4" and which("ffmpeg") is None
+    return path is not None and path.suffix.lower() == ".mp4" and which("ffmpeg") is None
 
 
 _NATIVE = ("casadi", "onnx", "ziglang")
@@ -72,7 +72,7 @@ NEEDS: dict[str, tuple[Need, ...]] = {
         Need(
             "native", _NATIVE, "--runtime native", lambda options: options["runtime"] == "native" and not options["fmu"]
         ),
-        Need("report", ("matplotlib",), "--plot", _given("plot")),
+        _PLOT,
     ),
 }
 """By command; what a command always needs comes first."""

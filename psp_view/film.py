@@ -43,9 +43,9 @@ def writer_for(path: Path) -> AbstractMovieWriter:
     ------
     FilmError : if the kind is unknown, or if ffmpeg is needed and missing
     """
-    if path.suffix == ".gif":
+    if path.suffix.lower() == ".gif":
         return PillowWriter(fps=FRAMES_PER_SECOND)
-    if path.suffix != ".mp4":
+    if path.suffix.lower() != ".mp4":
         raise FilmError(f"{path} is neither .mp4 nor .gif: name the film one of these")
     program = which("ffmpeg") or _bundled_ffmpeg()
     if program is None:

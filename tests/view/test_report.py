@@ -7,6 +7,7 @@ import gzip
 import hashlib
 import json
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -132,8 +133,12 @@ def test_a_film_has_a_frame_per_time_and_drawn_vehicles_do_not_touch(cases, tmp_
     assert corners[0][0][0] > corners[1][1][0]
 
 
-def test_a_film_of_another_kind_is_refused():
-    from pathlib import Path
+def test_the_ending_of_a_film_is_read_in_any_case():
+    from matplotlib.animation import PillowWriter
 
+    assert isinstance(writer_for(Path("road.GIF")), PillowWriter)
+
+
+def test_a_film_of_another_kind_is_refused():
     with pytest.raises(FilmError, match=r"neither \.mp4 nor \.gif"):
         writer_for(Path("road.avi"))
