@@ -99,7 +99,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                                              known_count, seed, sensitivity));
 }
 
-/* Neither FMU has inputs to interpolate or derivatives of outputs in time: only the empty request is served. */
+/* No FMU interpolates inputs or has derivatives of outputs in time: only the empty request is served. */
 static fmi2Status no_derivatives(fmi2Component c, Call call, size_t count)
 {
     fmi2Status status;
@@ -129,12 +129,14 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
 
 static bool is_single(double value) { return fabs(value) < (double)FLT_MAX && (double)(float)value == value; }
 
+#define LEAST_SLACK 1e-9 /* [s] */
+
 /* Hosts round times: this much [s] is taken for equal; a part of the step at most, but for what a double cannot tell. */
 static double slack(double time, double size)
 {
     const double rounding = is_single(time) && is_single(size) ? fmin(FLT_EPSILON * fabs(time), 0.25 * size) : 0.0;
     const double printed = fmin(1e-12 * fabs(time), size / 64.0); /* times that went through text */
-    return 1e-9 + 1e-6 * size + fmax(4.0 * DBL_EPSILON * fabs(time), fmax(rounding, printed));
+    return LEAST_SLACK + 1e-6 * size + fmax(4.0 * DBL_EPSILON * fabs(time), fmax(rounding, printed));
 }
 
 /* How far behind stopTime a step would end [s], by the host's time or by the sum of its steps, of which one drifts from
@@ -152,10 +154,10 @@ static bool step_allowed(Front *front, double from, double size)
     if (!isfinite(from) || !isfinite(size) || size < 0.0)
         front_fail(front, "fmi2DoStep was called at t = %.10g s with a step of %.10g s: both must be finite and the step "
                           "not negative", from, size);
-    else if (fabs(from - progress->time) > slack(from, size))
+    else if (fabs(from - progress->time) > LEAST_SLACK && fabs(from - progress->time) > slack(from, size))
         front_fail(front, "fmi2DoStep was called at t = %.10g s, but the FMU is at t = %.10g s: continue from there, or "
                           "go back with fmi2SetFMUstate", from, progress->time);
-    else if (progress->has_stop && overrun(progress, from, size) > 0.0)
+    else if (progress->has_stop && from + size > progress->stop && overrun(progress, from, size) > 0.0)
         front_fail(front, "fmi2DoStep was called at t = %.10g s with a step of %.10g s, which goes beyond "
                           "stopTime = %.10g s: take a shorter step, or set a later stopTime", from, size, progress->stop);
     return front->worst <= fmi2Warning;

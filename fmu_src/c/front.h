@@ -1,6 +1,7 @@
-/* The FMI 2.0 front that both FMUs share: call order, argument checks, logging, saved states.
+/* The FMI 2.0 front that all FMUs share: call order, argument checks, logging, saved states.
  *
- * The model behind it is a backend (backend.h).  All data of an instance is in its Front; nothing is static.
+ * The model behind it is a backend (backend.h).  All data of an instance is in its Front; what is static in
+ * python_host.c belongs to the process.
  */
 #ifndef PSP_FRONT_H
 #define PSP_FRONT_H

@@ -101,14 +101,15 @@ class Clock(NamedTuple):
         ------
         ModelError : where that is more sampling periods than can be counted
         """
-        end = begin + size
-        periods = max(size + self._moved(begin, size), 0.0) / T
+        end, moved = begin + size, self._moved(begin, size)
+        one = size == T and moved == 0.0  # what most masters do
+        periods = 1.0 if one else max(size + moved, 0.0) / T
         if not (abs(self.period + periods) < MOST_PERIODS and isfinite(end)):
             raise ModelError("periods", end - self.first, T)
+        if one and self.offset == 0.0:  # with the result of what follows
+            return Clock(self.first, end, self.period + 1, 0.0, size)
         if periods == 0.0:
             return self._replace(time=end)
-        if size == T and periods == 1.0 and self.offset == 0.0:  # what most masters do, with the result of what follows
-            return Clock(self.first, end, self.period + 1, 0.0, size)
         whole, offset = _nearest(self.offset + periods)
         place = _last_place(begin, size)
         again = abs(size - self.last) <= place
@@ -124,12 +125,10 @@ class Clock(NamedTuple):
     def _moved(self, begin: float, size: float) -> float:
         """By how much more than its rounding the master's time has moved since the last step ended [s]."""
         moved = begin - self.time
-        if moved == 0.0:
-            return moved
-        rounding = _ULPS * _EPSILON
-        if _digits(begin) <= 24 and _digits(size) <= 24:
-            rounding = _SINGLE_EPSILON  # it keeps time in single precision
-        return moved if abs(moved) > rounding * abs(begin) else 0.0
+        if abs(moved) <= _ULPS * _EPSILON * abs(begin):
+            return 0.0
+        single = _digits(begin) <= 24 and _digits(size) <= 24  # it keeps time in single precision
+        return 0.0 if single and abs(moved) <= _SINGLE_EPSILON * abs(begin) else moved
 
     def _settled(self, periods: float, reach: float, again: bool, T: float) -> Clock:
         """The clock with the rounding dropped, if the nearest sampling instant is met here.

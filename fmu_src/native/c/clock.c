@@ -92,10 +92,9 @@ double clock_age_rounding(const Clock *clock, double age, double T)
 static double moved(const Clock *clock, double begin, double size)
 {
     const double by = begin - clock->time;
-    double rounding = ULPS * DBL_EPSILON;
-    if (by == 0.0) return by;
-    if (digits_of(begin) <= 24 && digits_of(size) <= 24) rounding = SINGLE_EPSILON; /* it keeps time in single precision */
-    return fabs(by) > rounding * fabs(begin) ? by : 0.0;
+    if (fabs(by) <= ULPS * DBL_EPSILON * fabs(begin)) return 0.0;
+    const bool single = digits_of(begin) <= 24 && digits_of(size) <= 24; /* it keeps time in single precision */
+    return single && fabs(by) <= SINGLE_EPSILON * fabs(begin) ? 0.0 : by;
 }
 
 /* Drops the rounding, if the nearest sampling instant is met here. */
@@ -116,16 +115,18 @@ static void settle(Clock *clock, double periods, double reach, bool again, doubl
 
 bool clock_pass(Clock *clock, double begin, double size, double T)
 {
-    const double end = begin + size, periods = fmax(size + moved(clock, begin, size), 0.0) / T;
+    const double end = begin + size, by = moved(clock, begin, size);
+    const bool one = size == T && by == 0.0; /* what most masters do */
+    const double periods = one ? 1.0 : fmax(size + by, 0.0) / T;
     if (!(fabs((double)clock->period + periods) < PERIODS_MAX && isfinite(end))) return false;
     clock->time = end;
-    if (periods == 0.0) return true;
-    if (size == T && periods == 1.0 && clock->offset == 0.0) { /* what most masters do, with the result of what follows */
+    if (one && clock->offset == 0.0) { /* with the result of what follows */
         clock->period++;
         clock->last = size;
         clock->doubt = 0.0;
         return true;
     }
+    if (periods == 0.0) return true;
     const bool at_instant = fabs(clock->offset) <= TIME_TOLERANCE;
     const int64_t whole = nearest(clock->offset + periods, &clock->offset);
     clock->period += whole;
