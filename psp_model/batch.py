@@ -141,9 +141,7 @@ def simulate_many(
 def _together(starts: Starts) -> tuple[Array, Array, PlatoonParameters]:
     """(B, n-1) spacings, (B, n) speeds and the constants of all starts."""
     arrays = _pair_of_arrays(starts)
-    if arrays is not None:
-        s, v, constants = *arrays, PlatoonParameters()
-    else:
+    if arrays is None:
         states = [as_state(start) for start in starts]  # type: ignore[arg-type]  # a sequence of them, by now
         if not states:
             raise ModelError("batch_empty")
@@ -153,6 +151,7 @@ def _together(starts: Starts) -> tuple[Array, Array, PlatoonParameters]:
             if state.v.size != first.v.size or state.v.size < 2 or state.constants != first.constants:
                 raise ModelError("batch_starts", place, state.v.size, first.v.size)
         return np.array([state.s for state in states]), np.array([state.v for state in states]), first.constants
+    s, v, constants = *arrays, PlatoonParameters()
     if not len(v):
         raise ModelError("batch_empty")
     inside = (s > constants.L).all(axis=1) & ((v >= 0) & (v <= constants.v_max)).all(axis=1)

@@ -32,7 +32,7 @@ SENTENCES = {
     "not_negative": "%s = %.10g %s must not be negative: give it 0 %s or more",
     "feedforward": "feedforward = %.10g must lie in [0, 1]: it is the commanded share of the followed vehicle's "
     "acceleration",
-    "reach": "%s = %.10g m must exceed %s = %.10g m: raise the one or lower the other",
+    "reach": "%s = %.10g m must exceed %s = %.10g m: raise the first or lower the second",
     "following": "following = %d must be 1, the nearest vehicle ahead that is not automated, or 2, the predecessor: "
     "choose one of them",
     "length": "length[%d] = %.10g m must be positive: give vehicle %d a length above 0 m",
@@ -90,8 +90,8 @@ SENTENCES = {
     "potential": "%s is neither a potential nor a selector: give one, or one of the words %s",
     "duration": "duration = %.10g s must be finite and not negative: give the run a length of 0 s or more",
     "batch_empty": "there are no starts to run: give at least one",
-    "batch_starts": "start %d, with %d vehicles, does not go with the first, with %d: give all starts of a batch the "
-    "same number of vehicles, at least 2, and the same constants",
+    "batch_starts": "start %d, with %d vehicles, cannot be in one batch with the first, with %d: give all starts of a "
+    "batch the same number of vehicles, at least 2, and the same constants",
     "batch_potentials": "%d potentials do not fit %d starts: give one for all, or one for each",
     "output_step": "output_step = %.10g s must be positive and finite: give it a time above 0 s",
     "a_min": "a_min = %.10g m/s2 must be negative, as a vehicle has to be able to slow down: give it a value below 0 "

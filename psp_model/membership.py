@@ -9,7 +9,7 @@ import numpy as np
 
 from .errors import ModelError
 from .law.potential import Potential
-from .platoon import SampledPlatoon
+from .platoon import Observation, SampledPlatoon
 from .sampling.loop import Vector, Verdict, resample, with_potential
 
 _PROBES = 100  # spacings that are tried for one that would be accepted
@@ -91,9 +91,10 @@ class OpenPlatoon:
                 raise ModelError("insert_speed", speed, constants.v_max)
         except ModelError as error:
             return self, Refusal(str(error))
-        with_it = self._certified(place, gap, speed, period, fraction, True)
+        seen = self.platoon.observe(period, fraction)
+        with_it = self._certified(seen, place, gap, speed, period, fraction, True)
         if with_it is None:
-            return self, self._what_would_do(place, gap, speed, period, fraction)
+            return self, self._what_would_do(seen, place, gap, speed, period, fraction)
         number = self.joined + 1
         vehicles = (*self.vehicles[:place], number, *self.vehicles[place:])
         return replace(self, platoon=with_it, joined=number, vehicles=vehicles), None
@@ -132,11 +133,9 @@ class OpenPlatoon:
             raise ModelError("place", name, place, first, len(self.vehicles))
         return int(place)
 
-    def _with(
-        self, place: int, gap: float, speed: float, period: int, fraction: float
-    ) -> tuple[float, Vector, Vector] | None:
+    def _with(self, seen: Observation, place: int, gap: float, speed: float) -> tuple[float, Vector, Vector] | None:
         """Leader's position, spacings and speeds with one more vehicle; None where a spacing would not exceed L."""
-        seen, L = self.platoon.observe(period, fraction), self.platoon.constants.L
+        L = self.platoon.constants.L
         v = np.insert(seen.v, place, speed)
         x = float(seen.x[0]) + (gap if place == 0 else 0.0)
         s = np.insert(seen.s, max(place - 1, 0), gap)
@@ -145,10 +144,10 @@ class OpenPlatoon:
         return (x, s, v) if np.isfinite(gap) and (s > L).all() else None
 
     def _certified(
-        self, place: int, gap: float, speed: float, period: int, fraction: float, anew: bool
+        self, seen: Observation, place: int, gap: float, speed: float, period: int, fraction: float, anew: bool
     ) -> SampledPlatoon | None:
         """The platoon with one more vehicle if T is certified; with the potential in use unless chosen `anew`."""
-        motion = self._with(place, gap, speed, period, fraction)
+        motion = self._with(seen, place, gap, speed)
         if motion is None:
             return None
         _, s, v = motion
@@ -156,22 +155,23 @@ class OpenPlatoon:
         now, verdict = resample(loop, self.platoon.now, (period, fraction), motion)
         return replace(self.platoon, loop=loop, now=now) if verdict is Verdict.CERTIFIED else None
 
-    def _what_would_do(self, place: int, gap: float, speed: float, period: int, fraction: float) -> Refusal:
+    def _what_would_do(
+        self, seen: Observation, place: int, gap: float, speed: float, period: int, fraction: float
+    ) -> Refusal:
         """The rejection of a join, with the nearest spacing found at which it may join."""
         constants, T = self.platoon.constants, self.platoon.loop.T
-        seen = self.platoon.observe(period, fraction)
         inside = 0 < place < len(self.vehicles)
         room = float(seen.s[place - 1]) - constants.L if inside else constants.L + 5 * constants.lam
         probes = np.linspace(constants.L, room, _PROBES + 2)[1:-1] if room > constants.L else np.empty(0)
         wanted = gap if np.isfinite(gap) else constants.lam
         found = []
         for probe in probes[np.argsort(abs(probes - wanted), kind="stable")].tolist():
-            if self._certified(place, probe, speed, period, fraction, False) is not None:
+            if self._certified(seen, place, probe, speed, period, fraction, False) is not None:
                 found.append(probe)
             if len(found) == _TRUSTED:
                 break
         for probe in found:
-            if self._certified(place, probe, speed, period, fraction, True) is not None:
+            if self._certified(seen, place, probe, speed, period, fraction, True) is not None:
                 return Refusal(str(ModelError("insert_gap", place + 1, gap, speed, T, probe)), probe)
         return Refusal(str(ModelError("insert_none", place + 1, gap, speed, T)))
 

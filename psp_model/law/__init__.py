@@ -1,1 +1,1 @@
-"""The feedback law: potential and feedback."""
+"""The laws: potential, the paper's feedback, and its extension for platoons on a road."""

@@ -8,7 +8,7 @@ from typing import Any
 from ..namespaces import Array, Number, array_namespace
 from ..parameters import PlatoonParameters
 from .feedback import SPEED_MARGIN, command, command_towards, repulsion
-from .following import shares_along, speeds_followed
+from .following import NEAREST, shares_along, speeds_followed
 from .potential import Potential
 
 CLOSING_WIDTH = 15.0  # [m] closing up sets in, and ends, smoothly over this length (ours)
@@ -38,7 +38,7 @@ class Cooperation:
     kappa_reach: Number = 30.0
     time_gap: Number = 0.0
     feedforward: Number = 1.0
-    following: int = 1
+    following: int = NEAREST
     closing_speed: Number = 0.0
     closing_spacing: Number = 15.0
     closing_reach: Number = 100.0
@@ -238,7 +238,7 @@ def cooperative_command(
     spacing = model_spacing(s, v, cooperation, constants)
     u = repulsion(spacing, shape, constants)
     free = traffic.automated is None and traffic.v_desired is None and traffic.closing is None
-    if free and cooperation.following == 1 and is_off(traffic.a_desired):
+    if free and cooperation.following == NEAREST and is_off(traffic.a_desired):
         F = command(u, v, constants)
     else:
         speed, rate = desired(v, traffic, cooperation, constants)

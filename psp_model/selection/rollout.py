@@ -104,8 +104,8 @@ def best_by_rollout(
     ----------
     start : initial state
     candidates : triples, the network's answer first; they are projected into the feasible set here
-    weights : of the objective; the paper's by default
-    sampling : T counts, the policy does not; T = 0.01 s by default
+    weights : of the objective
+    sampling : T counts, the policy does not
     horizon : how far ahead to look [s]
     rounds : of refinement, as for `refined`
 

@@ -43,6 +43,21 @@ class Foreign(NamedTuple):
     a: Array
 
 
+def unless_standing(v: Array, a: Array) -> Array:
+    """Accelerations, none below 0 for vehicles that stand: these do not roll back (ours).
+
+    Parameters
+    ----------
+    v, a : (n, ...) arrays, speeds [m/s] and accelerations [m/s2]
+
+    Returns
+    -------
+    (n, ...) array [m/s2]
+    """
+    xp = array_namespace(v)
+    return xp.where(v > 0.0, a, xp.maximum(a, 0.0))
+
+
 def at_rest(v: Array) -> Actuators:
     """Actuators before the first command: they hold 0 (ours).
 

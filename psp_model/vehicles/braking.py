@@ -9,7 +9,7 @@ import numpy as np
 
 from ..law.following import NEAREST, followed_by
 from ..namespaces import Array, Number, array_namespace, smallest
-from .actuation import first_stop, ride, uninterrupted
+from .actuation import first_stop, ride, uninterrupted, unless_standing
 
 TINY = 1e-12  # [s] no time is divided by less
 MOST = 12.0  # [m/s2] no road allows harder braking: larger margins are not searched
@@ -128,7 +128,7 @@ def stop(vehicles: Braking) -> tuple[Array, Array]:
     v, a, dead_time, lag, a_min = vehicles
     xp = array_namespace(v)
     speed, _, _ = ride(v, a, a, 0.0, dead_time)
-    a = xp.where(speed > 0.0, a, xp.maximum(a, 0.0)) + 0.0 * v
+    a = unless_standing(speed, a) + 0.0 * v
     low = (speed + xp.maximum(a - a_min, 0.0) * lag) / -a_min
     return dead_time + 0.0 * v, first_stop(speed, xp.where(lag + 0.0 * v > 0.0, a, a_min), a_min, lag, low)
 
@@ -148,7 +148,7 @@ def travelled(vehicles: Braking, stops: tuple[Array, Array], t: Array) -> Array:
     v, a, dead_time, lag, a_min = vehicles
     xp = array_namespace(v)
     speed, first, _ = ride(v, a, a, 0.0, xp.minimum(t, dead_time + 0.0 * t))
-    a = xp.where(speed > 0.0, a, xp.maximum(a, 0.0)) + 0.0 * v
+    a = unless_standing(speed, a) + 0.0 * v
     braked = xp.minimum(xp.maximum(t - dead_time, 0.0), stops[1])
     _, then = uninterrupted(speed, xp.where(lag + 0.0 * v > 0.0, a, a_min), a_min, lag, braked)
     return first + then

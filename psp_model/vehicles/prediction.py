@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from ..law.potential import Potential
 from ..namespaces import Array, Number, array_namespace
 from ..parameters import Actuation, PlatoonParameters
 from ..sampling.hold import gaps_after
-from .actuation import Actuators, Foreign, at_rest, commanded, drive, ride, settle
+from .actuation import Actuators, Foreign, at_rest, commanded, drive, ride, settle, unless_standing
 
 CLOSEST = 1e-3  # [m] a predicted clearance of 0 or less counts as this: the law is not defined there (ours)
 
@@ -84,10 +85,9 @@ def predict(
         actuators = settle(actuators, actuation, issued.span - age)
     then, moved, actuators = drive(v, actuators, actuation, age + actuation.actuation_delay, foreign)
     a = actuators.command if is_off(actuation.actuator_lag) else actuators.a
-    xp = array_namespace(v)
     if foreign is not None:
-        a = xp.where(foreign.automated > 0.5, a, foreign.a)
-    return Predicted(gaps_after(s, moved), then, xp.where(then > 0.0, a, xp.maximum(a, 0.0)))
+        a = array_namespace(v).where(foreign.automated > 0.5, a, foreign.a)
+    return Predicted(gaps_after(s, moved), then, unless_standing(then, a))
 
 
 def later(predicted: Predicted, span: Number) -> Predicted:
@@ -98,8 +98,7 @@ def later(predicted: Predicted, span: Number) -> Predicted:
     span : time [s]
     """
     v, moved, _ = ride(predicted.v, predicted.a, predicted.a, 0.0, span)
-    xp = array_namespace(v)
-    return Predicted(gaps_after(predicted.s, moved), v, xp.where(v > 0.0, predicted.a, xp.maximum(predicted.a, 0.0)))
+    return Predicted(gaps_after(predicted.s, moved), v, unless_standing(v, predicted.a))
 
 
 def predictive_command(
@@ -145,8 +144,4 @@ def predictive_command(
 
 def _with_rates(traffic: Traffic, a: Array) -> Traffic:
     """The traffic with the accelerations of vehicles that drive themselves as predicted."""
-    return (
-        traffic
-        if traffic.automated is None
-        else Traffic(traffic.automated, a, traffic.v_desired, traffic.a_desired, traffic.closing)
-    )
+    return traffic if traffic.automated is None else replace(traffic, a=a)
