@@ -103,8 +103,8 @@ def build_native(options: Options, networks: Mapping[int, NetworkFile]) -> Path:
     require("a native FMU", "native", BRINGS["native"])
     from fmu_src.native.build import build_native_fmu, chosen_platforms, native_controller, native_platoon
 
-    make = native_platoon if options.component == "platoon" else native_controller
-    return build_native_fmu(make(options.vehicles, networks), options.output, chosen_platforms(options.platforms))
+    describe = native_platoon if options.component == "platoon" else native_controller
+    return build_native_fmu(describe(options.vehicles, networks), options.output, chosen_platforms(options.platforms))
 
 
 def build(options: Options, networks: Mapping[int, NetworkFile]) -> Path:

@@ -1,1 +1,1 @@
-"""The native FMU: C generated from the model by CasADi, behind the FMI front that both FMUs share."""
+"""The native FMU: C generated from the model by CasADi, behind the FMI front that all FMUs share."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from importlib.metadata import distribution, version
 from importlib.resources import files
 from pathlib import Path
@@ -144,7 +145,7 @@ def _generated_files(
 ) -> dict[str, bytes]:
     """All files that describe the content of the FMU."""
     module = f"psp_platoon_{digest[:12]}"
-    described = Component(**(vars(component) | {"guid": guid_of(digest)}))
+    described = replace(component, guid=guid_of(digest))
     slave = slave_module(component.name)
     script = _SCRIPT.format(suffix=digest[:12], name=component.name, module=slave, numpy=_oldest("numpy"))
     return {

@@ -26,15 +26,9 @@ def build_controller_fmu(capacity: int, output: Path, networks: Mapping[int, Net
     -------
     path of the FMU
     """
-    config: dict[str, Any] = {
-        "vehicles": capacity,
-        "default_source": 1 if networks else 2,
-        "networks": noted_of(networks),
-    }
-    table, notes = (
-        controller.controller_table(capacity, config["default_source"]),
-        [*notes_on_networks(networks), NEEDS],
-    )
+    source = 1 if networks else 2
+    config: dict[str, Any] = {"vehicles": capacity, "default_source": source, "networks": noted_of(networks)}
+    table, notes = controller.controller_table(capacity, source), [*notes_on_networks(networks), NEEDS]
     return pack_slave("PspController", controller.DESCRIPTION, table, config, list(networks.values()), notes, output)
 
 
