@@ -35,7 +35,7 @@ def certify(
     start_only: Annotated[bool, typer.Option("--start-only", help="Judge the start, not the whole run.")] = False,
     json: Json = None,
 ) -> None:
-    """Say whether Lemma 1 certifies T, and who limits it.
+    """Report whether Lemma 1 certifies T, and who limits it.
 
     When, by how much, and the largest T that holds throughout.
 

@@ -12,7 +12,7 @@ from .output import is_quiet, json_place, keep_stdout, say, write_json
 
 
 def doctor(fmu: Annotated[Path, typer.Argument(help="The FMU to look at.")], json: Json = None) -> None:
-    """Say what here would keep an FMU from loading, and how to mend it.
+    """Report what here would keep an FMU from loading, and how to fix it.
 
     The exit code is 0 where nothing needs mending and 1 where something does.
     """

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from .bad_input import BadInput
-from .options import Json
+from .options import Json, command_line
 from .output import console, json_place, keep_stdout, say, write_json
 
 if TYPE_CHECKING:
@@ -78,7 +77,7 @@ def _report(judged: list[Evaluation], network: Path, output: Path, card: bool, p
 
     from .dataset import made_by
 
-    command = "psp " + " ".join(sys.argv[1:])
+    command = command_line()
     image = output / f"{network.stem}.png"
     if len(judged) == 1:
         table, content = as_markdown(judged[0].scores), as_dict(judged[0])

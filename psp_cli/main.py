@@ -107,7 +107,7 @@ class Command(CheckedCommand):
         return super().parse_args(ctx, args)
 
 
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Say errors only.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors only.")]
 
 
 def _with_quiet(command: Callable[..., None]) -> Callable[..., None]:
@@ -136,7 +136,7 @@ app = typer.Typer(
 
 
 def _version(wanted: bool) -> None:
-    """Say the version and end."""
+    """Print the version and end."""
     if wanted:
         from importlib.metadata import PackageNotFoundError, version
 
@@ -147,7 +147,7 @@ def _version(wanted: bool) -> None:
         raise typer.Exit
 
 
-Version = Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Say the version.")]
+Version = Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")]
 
 
 @app.callback()

@@ -59,7 +59,7 @@ def speaking() -> Iterator[None]:
 
 
 def be_quiet() -> None:
-    """Say errors only from now on."""
+    """Print errors only from now on."""
     _NOW.quiet = True
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -108,7 +107,7 @@ def _train(
 
     from .dataset import made_by
 
-    command = "psp " + " ".join(sys.argv[1:])
+    command = command_line()
     with epochs_done(recipe.name, recipe.schedule.epochs) as watch:
         parameters = fit_parameters(data, recipe, seed, files.checkpoint("parameters"), watch)
     label = "mean squared error" if recipe.name == "mse" else "regret"
