@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 from pathlib import Path
 
@@ -11,6 +10,7 @@ import pytest
 
 from fmu_src.native import build
 from fmu_src.toolchain.compile import fmi_headers
+from system_packages import require
 
 WATCHER = r"""
 #include <malloc.h>
@@ -46,14 +46,12 @@ int main(void)
 
 
 def _program(folder: Path, source: str, *options: str) -> list[str]:
-    compiler = shutil.which("gcc")
-    if compiler is None:
-        pytest.skip("no gcc on this machine: install gcc")
+    require("gcc")
     sources = build.native_platoon(2, {}).sources("{x}") | fmi_headers() | {"main.c": source.encode()}
     for name, content in sources.items():
         (folder / name).write_bytes(content)
     files = sorted(name for name in sources if name.endswith(".c"))
-    command = [compiler, "-std=gnu11", *options, "-o", "program", *files, "-lm", "-lpthread"]
+    command = ["gcc", "-std=gnu11", *options, "-o", "program", *files, "-lm", "-lpthread"]
     subprocess.run(command, cwd=folder, check=True)
     return [str(folder / "program")]
 

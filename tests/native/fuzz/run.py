@@ -20,7 +20,8 @@ SANITIZERS = "-fsanitize=fuzzer,address,undefined,float-cast-overflow"
 
 def compiler() -> str | None:
     """A clang that brings libFuzzer, None if there is none."""
-    return next((path for name in ("clang", "clang-16", "clang-15", "clang-14") if (path := which(name))), None)
+    names = ("clang", "clang-19", "clang-16", "clang-15", "clang-14")
+    return next((path for name in names if (path := which(name))), None)
 
 
 def build(folder: Path, component: str, vehicles: int = 7) -> Path:
@@ -37,8 +38,6 @@ def build(folder: Path, component: str, vehicles: int = 7) -> Path:
         "-g",
         SANITIZERS,
         "-fno-sanitize-recover=all",
-        "-I",
-        str(FMI_HEADERS),
     ]
     command += ["-I", str(FMI_HEADERS), "-I", str(folder), "-o", str(fuzzer), str(Path(__file__).parent / "fuzz_fmi.c")]
     command += [str(folder / name) for name in sources if name.endswith(".c")] + ["-lm"]
