@@ -128,6 +128,19 @@
 #define trial_find_gap PSP_NAME(trial_find_gap)
 #define trial_take_out PSP_NAME(trial_take_out)
 
+/* vehicles that act late and softly */
+#define actuators_rows PSP_NAME(actuators_rows)
+#define actuators_begin PSP_NAME(actuators_begin)
+#define actuators_ring PSP_NAME(actuators_ring)
+#define actuators_can_be PSP_NAME(actuators_can_be)
+#define actuators_command PSP_NAME(actuators_command)
+#define actuators_last PSP_NAME(actuators_last)
+#define actuators_drive PSP_NAME(actuators_drive)
+#define actuators_foresee PSP_NAME(actuators_foresee)
+#define actuators_settle PSP_NAME(actuators_settle)
+#define ride_steadily PSP_NAME(ride_steadily)
+#define first_stop PSP_NAME(first_stop)
+
 /* the controller */
 #define read_settings PSP_NAME(read_settings)
 #define nothing_decided PSP_NAME(nothing_decided)

@@ -25,7 +25,7 @@ _ALONE = "needs nothing but itself"
 NEEDS = "Needs nothing from outside.  sources/ holds the C sources; `fmpy compile` builds them for other platforms."
 _CAPABILITIES = ("canNotUseMemoryManagementFunctions", "canGetAndSetFMUstate", "canSerializeFMUstate")
 _HERE = Path(__file__).parent
-_OWN_SOURCES = {  # of each component, by the name of the header that defines an instance; the others are shared
+_OWN_SOURCES = {  # of each component, by the header that defines an instance; all have what is not listed
     "platoon_model.h": (
         "platoon.h",
         "platoon_backend.c",
@@ -39,6 +39,8 @@ _OWN_SOURCES = {  # of each component, by the name of the header that defines an
         "platoon_trial.h",
     ),
     "controller_model.h": (
+        "actuation.c",
+        "actuation.h",
         "controller.h",
         "controller_backend.c",
         "controller_restore.c",
@@ -81,7 +83,8 @@ class NativeFmu:
         ----------
         guid : of the FMU
         """
-        others = {name for own in _OWN_SOURCES for name in (own, *_OWN_SOURCES[own]) if own != self.header}
+        mine = {self.header, *_OWN_SOURCES[self.header]}  # several components may share a file
+        others = {name for own in _OWN_SOURCES for name in (own, *_OWN_SOURCES[own])} - mine
         found = {name: (SOURCES / name).read_bytes() for name in FRONT}
         found |= {p.name: p.read_bytes() for p in sorted((_HERE / "c").glob("*.[ch]")) if p.name not in others}
         generated = {

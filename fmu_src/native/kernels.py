@@ -15,6 +15,7 @@ from psp_model.sampling.lemma1 import period_bounds
 from psp_model.selection.feasible import cell_bound
 
 from .scalar_c import Symbols, c_function
+from .vehicle_kernels import actuation_kernels
 
 _HEAD = """/* From psp_model by way of CasADi; fmu_src/native/kernels.py wrote it. */
 #ifndef PSP_KERNELS_H
@@ -87,10 +88,11 @@ def _motion_kernels() -> str:
 
 
 def kernels_header() -> str:
-    """psp_kernels.h: potential, feedback, Lemma 1, motion and objective of single spacings and vehicles.
+    """psp_kernels.h: potential, feedback, Lemma 1, motion, objective and actuators of single spacings and vehicles.
 
     Returns
     -------
     C source; the same for the same model and CasADi version
     """
-    return _HEAD + _potential_kernels() + _feedback_kernels() + _motion_kernels() + "\n#endif\n"
+    parts = (_potential_kernels(), _feedback_kernels(), _motion_kernels(), actuation_kernels())
+    return _HEAD + "".join(parts) + "\n#endif\n"
