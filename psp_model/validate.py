@@ -19,7 +19,7 @@ from .law.following import NEAREST, PREDECESSOR
 from .law.potential import PotentialParameters
 from .parameters import HILL_WIDTH, Actuation, ObjectiveWeights, PlatoonParameters
 from .quantities import quantity_of
-from .sampling.policy import Lemma1Policy, Sampling
+from .sampling.policy import Certificate, Lemma1Policy, Sampling
 from .state import PlatoonState
 
 Struct = TypeVar("Struct")
@@ -123,6 +123,8 @@ def _(sampling: Sampling) -> None:
     policies = list(Lemma1Policy)
     _require(sampling.policy in policies, "choice", "lemma1_policy", sampling.policy, min(policies), max(policies))
     _require(sampling.max_short_periods >= 1, "count", "max_short_periods", sampling.max_short_periods)
+    known = list(Certificate)
+    _require(sampling.certificate in known, "choice", "certificate", sampling.certificate, min(known), max(known))
 
 
 @_check.register

@@ -37,6 +37,7 @@ NO_QUANTITIES = {
     "policy": "a choice",
     "max_short_periods": "a count",
     "following": "a choice",
+    "certificate": "a choice",
     "constants": "a struct",
     "cost": "two terms of J",
     "x_leader": "x of vehicle 1",
