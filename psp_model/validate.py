@@ -20,6 +20,7 @@ from .law.potential import PotentialParameters
 from .parameters import HILL_WIDTH, Actuation, ObjectiveWeights, PlatoonParameters
 from .quantities import quantity_of
 from .sampling.policy import Certificate, Lemma1Policy, Sampling
+from .sampling.uncertain import Errors
 from .state import PlatoonState
 
 Struct = TypeVar("Struct")
@@ -30,7 +31,7 @@ def validate(struct: Struct) -> Struct:
 
     Parameters
     ----------
-    struct : PlatoonParameters, ObjectiveWeights, PotentialParameters, Sampling, Cooperation, Actuation, or a
+    struct : PlatoonParameters, ObjectiveWeights, PotentialParameters, Sampling, Cooperation, Actuation, Errors, or a
         PlatoonState with its constants
 
     Returns
@@ -43,6 +44,23 @@ def validate(struct: Struct) -> Struct:
     """
     _check(struct)
     return struct
+
+
+def validate_law(cooperation: Cooperation, constants: PlatoonParameters) -> None:
+    """Check the parameters of the extended law for given constants.
+
+    Parameters
+    ----------
+    cooperation, constants : of the law
+
+    Raises
+    ------
+    ModelError : where a value is not finite or not in the model's domain, naming it
+    """
+    validate(cooperation)
+    reach = cooperation.kappa_reach
+    if cooperation.kappa > 0:
+        _require(bool(reach > constants.L), "reach", "kappa_reach", reach, "L", constants.L)
 
 
 @singledispatch
@@ -114,6 +132,14 @@ def _(actuation: Actuation) -> None:
     limits = np.broadcast_arrays(np.ravel(actuation.a_min), np.ravel(actuation.a_max))
     for i, (least, most) in enumerate(zip(*(one.tolist() for one in limits), strict=True), start=1):
         _require(least < 0 < most, "command_limits", i, least, i, most)
+
+
+@_check.register
+def _(errors: Errors) -> None:
+    for name, unit in (("error_s", "m"), ("error_v", "m/s")):
+        value = getattr(errors, name)
+        _require(isfinite(value), "finite", name, value, unit)
+        _require(value >= 0, "not_negative", name, value, unit, unit)
 
 
 @_check.register
