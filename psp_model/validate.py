@@ -21,6 +21,7 @@ from .law.potential import PotentialParameters
 from .parameters import HILL_WIDTH, Actuation, ObjectiveWeights, PlatoonParameters
 from .quantities import quantity_of
 from .sampling.policy import Certificate, Lemma1Policy, Sampling
+from .sampling.uncertain import Errors
 from .state import PlatoonState
 
 Struct = TypeVar("Struct")
@@ -31,7 +32,7 @@ def validate(struct: Struct) -> Struct:
 
     Parameters
     ----------
-    struct : PlatoonParameters, ObjectiveWeights, PotentialParameters, Sampling, Cooperation, Actuation, or a
+    struct : PlatoonParameters, ObjectiveWeights, PotentialParameters, Sampling, Cooperation, Actuation, Errors, or a
         PlatoonState with its constants
 
     Returns
@@ -153,6 +154,14 @@ def _(actuation: Actuation) -> None:
     limits = np.broadcast_arrays(np.ravel(actuation.a_min), np.ravel(actuation.a_max))
     for i, (least, most) in enumerate(zip(*(one.tolist() for one in limits), strict=True), start=1):
         _require(least < 0 < most, "command_limits", i, least, i, most)
+
+
+@_check.register
+def _(errors: Errors) -> None:
+    for name, unit in (("error_s", "m"), ("error_v", "m/s")):
+        value = getattr(errors, name)
+        _require(isfinite(value), "finite", name, value, unit)
+        _require(value >= 0, "not_negative", name, value, unit, unit)
 
 
 @_check.register
