@@ -13,7 +13,9 @@ from psp_model import (
     Braking,
     Cooperation,
     DelayedVehicles,
+    DrivenLeader,
     Errors,
+    ExtendedLaw,
     PlatoonParameters,
     RoadLaw,
     Seen,
@@ -36,6 +38,7 @@ COOPERATION = Cooperation(kappa=0.3, kappa_reach=25.0, time_gap=0.2, feedforward
 TRAFFIC = Traffic(np.array([0.0, 1.0, 1.0]), np.array([-0.5, 0.0, 0.0]), v_desired=29.0)
 ACTUATION = Actuation(0.03, 0.2)
 ROAD_LAW = RoadLaw(BEST_FIXED, CONSTANTS, COOPERATION, ACTUATION, oldest=0.05)
+EXTENDED_LAW = ExtendedLaw(BEST_FIXED, CONSTANTS, COOPERATION, DrivenLeader(29.0, -0.5), 0.02)
 SEEN = Seen(*PAIR, 0.02, np.array([0.0, 1.0, 1.0]), np.array([-0.5, 0.0, 0.0]))
 
 
@@ -89,6 +92,9 @@ ROAD_EXAMPLES: dict[str, Example] = {
     "Predicted": (lambda: remembered().predicted, itself),
     "Seen": (lambda: SEEN, lambda made: ROAD_LAW.sample(None, made)),
     "Remembered": (lambda: remembered(), lambda made: ROAD_LAW.sample(made, SEEN)),
+    "DrivenLeader": (lambda: EXTENDED_LAW.leader, itself),
+    "ExtendedLaw": (lambda: EXTENDED_LAW, lambda made: made.decide(made.decide(None, *PAIR)[0], *PAIR)),
+    "Engaged": (lambda: EXTENDED_LAW.decide(None, *PAIR)[0], lambda made: EXTENDED_LAW.decide(made, *PAIR)),
     "RoadLaw": (lambda: ROAD_LAW, lambda made: made.sample(remembered(), SEEN)),
     "Sensing": (lambda: Sensing(1, 0.1, 0.05, seed=3), lambda made: road_run(made, 3)),
     "RoadRun": (lambda: road_run(Sensing(), 2), lambda made: (made.touched, made.gain(2, 0), made)),
