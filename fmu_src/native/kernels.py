@@ -26,7 +26,7 @@ from psp_model.sampling.lemma1 import period_bounds
 from psp_model.selection.feasible import cell_bound
 
 from .scalar_c import Symbols, c_function
-from .vehicle_kernels import actuation_kernels
+from .vehicle_kernels import actuation_kernels, certificate_kernels, prediction_kernels
 
 _HEAD = """/* From psp_model by way of CasADi; fmu_src/native/kernels.py wrote it. */
 #ifndef PSP_KERNELS_H
@@ -132,5 +132,7 @@ def kernels_header() -> str:
         _cooperation_kernels(),
         _motion_kernels(),
         actuation_kernels(),
+        certificate_kernels(),
+        prediction_kernels(),
     )
     return _HEAD + "".join(parts) + "\n#endif\n"
