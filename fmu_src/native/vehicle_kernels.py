@@ -8,7 +8,6 @@ import casadi
 
 from psp_model.law.watching import nearer
 from psp_model.parameters import Actuation, PlatoonParameters, generic
-from psp_model.sampling.exact import first_contact
 from psp_model.sampling.uncertain import Errors, contact_bound, spacing_bound, speed_bounds
 from psp_model.vehicles.actuation import (
     approached,
@@ -50,18 +49,15 @@ def actuation_kernels() -> str:
     )
 
 
-def certificate_kernels() -> str:
-    """Bounds on the sampling period of single spacings and single vehicles, exact and with bounded errors."""
-    s, v, a, c, dv, da, most, least = _symbols("s v a c dv da most least")
+def uncertain_kernels() -> str:
+    """Bounds on the sampling period of single spacings and single vehicles that are known within bounds."""
+    s, v, dv, da, most, least = _symbols("s v dv da most least")
     error_s, error_v, L, v_max = _symbols("error_s error_v L v_max")
     errors, constants = Errors(error_s, error_v), generic(PlatoonParameters, L=L, v_max=v_max)
     faster, slower = speed_bounds(v, most, least, errors, constants)
     return (
-        c_function("first_contact", [c, v, a], [first_contact(c, v, a)])
-        + c_function("spacing_bound", [s, error_s, L, v_max], [spacing_bound(s, errors, constants)])
-        + c_function(
-            "contact_bound", [s, dv, da, error_s, error_v, L], [contact_bound(s, dv, da, errors, constants)]
-        )
+        c_function("spacing_bound", [s, error_s, L, v_max], [spacing_bound(s, errors, constants)])
+        + c_function("contact_bound", [s, dv, da, error_s, error_v, L], [contact_bound(s, dv, da, errors, constants)])
         + c_function("speeds_bound", [v, most, least, error_v, v_max], [casadi.fmin(faster, slower)])
     )
 
