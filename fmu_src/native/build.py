@@ -41,11 +41,21 @@ _OWN_SOURCES = {  # of each component, by the header that defines an instance; a
     "controller_model.h": (
         "actuation.c",
         "actuation.h",
+        "braking.c",
+        "braking.h",
         "controller.h",
         "controller_backend.c",
+        "controller_law.c",
+        "controller_margin.c",
+        "controller_measurement.c",
+        "controller_members.c",
         "controller_restore.c",
         "controller_sample.c",
         "controller_settings.c",
+        "prediction.c",
+        "prediction.h",
+        "uncertain.c",
+        "uncertain.h",
     ),
 }
 
