@@ -14,7 +14,7 @@ from .callbacks import Warns, silent
 from .errors import ModelError
 from .law.feedback import feedback, feedback_towards
 from .law.potential import V_OLD, PotentialParameters
-from .parameters import ObjectiveWeights, PlatoonParameters
+from .parameters import NO_LIMIT, ObjectiveWeights, PlatoonParameters
 from .sampling.lemma1 import largest_period
 from .sampling.policy import Lemma1Policy, Sampling
 from .selection.feasible import require_feasible
@@ -25,7 +25,6 @@ from .state import read_only, seal
 Vector = NDArray[np.float64]
 
 ROUNDING = 1e-6  # [1] of L or v_max: what is measured so little outside the state space is taken as its bound (ours)
-NO_LIMIT = 1000.0  # [m/s2] a bound on the command that stands for none; importers do not like infinity
 
 
 class BadMeasurement(IntEnum):

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from psp_model.controller import NO_LIMIT, ControllerSettings
+from psp_model.controller import ControllerSettings
+from psp_model.parameters import NO_LIMIT
 
 from .platoon import platoon_table
 from .variables import Variable

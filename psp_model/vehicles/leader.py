@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import cos, isfinite, pi
@@ -24,6 +24,22 @@ class LeaderSpeed(Protocol):
         ----------
         time : since the start [s]
         """
+
+
+def acceleration_over(speed: Callable[[float], float], time: float, T: float) -> float:
+    """(v(t + T) - v(t)) / T, the constant acceleration that takes a leader from its speed now to that T later (ours).
+
+    Parameters
+    ----------
+    speed : speed [m/s] over time [s]
+    time : now [s]
+    T : for how long it is held [s]
+
+    Returns
+    -------
+    acceleration [m/s2]
+    """
+    return (speed(time + T) - speed(time)) / T
 
 
 @dataclass(frozen=True)
@@ -67,7 +83,8 @@ class Wave:
         if time < self.begin:
             return self.high
         middle, half = 0.5 * (self.high + self.low), 0.5 * (self.high - self.low)
-        return middle + half * cos(2 * pi * (time - self.begin) / self.period)
+        angle = 2 * pi * (time - self.begin) / self.period
+        return middle + half * (cos(angle) if isfinite(angle) else 1.0)  # no angle is known beyond what can be counted
 
 
 @dataclass(frozen=True)
