@@ -7,7 +7,17 @@ from psp_model.vehicles.leader import Wave
 
 from .variables import Variable
 
-DESCRIPTION = "Speed and acceleration of a leader"
+_LEADER = "Speed and acceleration of a leader"
+
+
+def description(profile: str | None = None) -> str:
+    """One sentence on a leader.
+
+    Parameters
+    ----------
+    profile : name of the file with the speeds that he drives, None for the wave
+    """
+    return f"{_LEADER} who follows {profile}" if profile else f"{_LEADER}, steady or on a stop-and-go wave"
 
 
 def leader_table(profile: bool = False) -> tuple[Variable, ...]:

@@ -13,6 +13,7 @@ from psp_model.parameters import ObjectiveWeights, PlatoonParameters, generic
 from psp_model.sampling.hold import advance, gaps_after, travelled
 from psp_model.sampling.lemma1 import period_bounds
 from psp_model.selection.feasible import cell_bound
+from psp_model.vehicles.leader import between, held_for, on_line
 
 from .scalar_c import Symbols, c_function
 
@@ -86,6 +87,17 @@ def _motion_kernels() -> str:
     )
 
 
+def _leader_kernels() -> str:
+    high, low, cosine = of_wave = _symbols("high low cosine")
+    now, later, T = of_speeds = _symbols("now later T")
+    of_line = _symbols("time begin end first last")
+    return (
+        c_function("between", of_wave, [between(high, low, cosine)])
+        + c_function("on_line", of_line, [on_line(*of_line)])
+        + c_function("held_for", of_speeds, [held_for(now, later, T)])
+    )
+
+
 def kernels_header() -> str:
     """psp_kernels.h: potential, feedback, Lemma 1, motion and objective of single spacings and vehicles.
 
@@ -93,4 +105,4 @@ def kernels_header() -> str:
     -------
     C source; the same for the same model and CasADi version
     """
-    return _HEAD + _potential_kernels() + _feedback_kernels() + _motion_kernels() + "\n#endif\n"
+    return _HEAD + _potential_kernels() + _feedback_kernels() + _motion_kernels() + _leader_kernels() + "\n#endif\n"

@@ -12,7 +12,7 @@ from psp_model.errors import ModelError
 from psp_model.sampling.clock import Clock
 from psp_model.sampling.policy import Sampling
 from psp_model.validate import validate
-from psp_model.vehicles.leader import LeaderSpeed, Profile, Wave, acceleration_over, read_profile
+from psp_model.vehicles.leader import LeaderSpeed, Profile, Wave, held_for, read_profile
 
 from ..interface.leader import leader_table
 from ..interface.variables import Variable
@@ -67,7 +67,8 @@ class PspLeader(TableSlave):
 
     def _outputs(self, driving: _Driving) -> list[float]:
         time = (self._clock.period + self._clock.offset) * _SECOND
-        return [driving.speed(time), acceleration_over(driving.speed, time, driving.T)]
+        now, later = driving.speed(time), driving.speed(time + driving.T)
+        return [now, held_for(now, later, driving.T)]
 
     @logged
     def do_step(self, current_time: float, step_size: float) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import cos, isfinite, pi
@@ -26,20 +26,38 @@ class LeaderSpeed(Protocol):
         """
 
 
-def acceleration_over(speed: Callable[[float], float], time: float, T: float) -> float:
-    """(v(t + T) - v(t)) / T, the constant acceleration that takes a leader from its speed now to that T later (ours).
+def between(high: float, low: float, cosine: float) -> float:
+    """The speed on a wave where its cosine has some value (ours).
 
     Parameters
     ----------
-    speed : speed [m/s] over time [s]
-    time : now [s]
-    T : for how long it is held [s]
-
-    Returns
-    -------
-    acceleration [m/s2]
+    high, low : speeds at its top and bottom [m/s]
+    cosine : from -1 to 1 [1]
     """
-    return (speed(time + T) - speed(time)) / T
+    return 0.5 * (high + low) + 0.5 * (high - low) * cosine
+
+
+def on_line(time: float, begin: float, end: float, first: float, last: float) -> float:
+    """The speed on a straight line at some time (ours).
+
+    Parameters
+    ----------
+    time : of the speed [s]
+    begin, end : of the line [s]
+    first, last : speeds there [m/s]
+    """
+    return first + (time - begin) / (end - begin) * (last - first)
+
+
+def held_for(now: float, later: float, T: float) -> float:
+    """The acceleration that, held for T, takes a vehicle from its speed now to the one later (ours).
+
+    Parameters
+    ----------
+    now, later : speeds [m/s]
+    T : time between them [s]
+    """
+    return (later - now) / T
 
 
 @dataclass(frozen=True)
@@ -63,9 +81,10 @@ class Wave:
     period: float = 40.0
 
     def __post_init__(self) -> None:
-        for name, unit in (("high", "m/s"), ("low", "m/s"), ("begin", "s"), ("period", "s")):
-            if not isfinite(getattr(self, name)):
-                raise ModelError("finite", name, getattr(self, name), unit)
+        named = {"v_high": self.high, "v_low": self.low, "begin": self.begin, "period": self.period}
+        for name, value in named.items():
+            if not isfinite(value):
+                raise ModelError("finite", name, value, "m/s" if name.startswith("v") else "s")
         if self.low < 0:
             raise ModelError("wave_backwards", self.low)
         if self.low > self.high:
@@ -82,9 +101,8 @@ class Wave:
         """
         if time < self.begin:
             return self.high
-        middle, half = 0.5 * (self.high + self.low), 0.5 * (self.high - self.low)
         angle = 2 * pi * (time - self.begin) / self.period
-        return middle + half * (cos(angle) if isfinite(angle) else 1.0)  # no angle is known beyond what can be counted
+        return between(self.high, self.low, cos(angle) if isfinite(angle) else 1.0)  # beyond what can be counted
 
 
 @dataclass(frozen=True)
@@ -138,8 +156,7 @@ class Profile:
         k = bisect_right(times, time)
         if k in (0, len(times)):
             return speeds[0] if k == 0 else speeds[-1]
-        share = (time - times[k - 1]) / (times[k] - times[k - 1])
-        return speeds[k - 1] + share * (speeds[k] - speeds[k - 1])
+        return on_line(time, times[k - 1], times[k], speeds[k - 1], speeds[k])
 
 
 def read_profile(path: Path, v_max: float = PlatoonParameters.v_max) -> Profile:

@@ -1,0 +1,55 @@
+"""The native `PspPlant` and `PspLeader`: what they are made from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from psp_model.vehicles.leader import read_profile
+
+from ..interface import leader, plant
+from .build import ALONE, NEEDS, NativeFmu
+from .tables import profile_header
+
+
+def native_plant(vehicles: int) -> NativeFmu:
+    """The vehicles.
+
+    Parameters
+    ----------
+    vehicles : n, at least 2
+    """
+    return NativeFmu(
+        name="PspPlantNative",
+        description=f"{plant.DESCRIPTION}; {ALONE}",
+        header="plant_model.h",
+        vehicles=vehicles,
+        table=plant.plant_table(vehicles),
+        networks={},
+        notes=(NEEDS,),
+    )
+
+
+def native_leader(vehicles: int, profile: Path | None = None) -> NativeFmu:
+    """The leader; a profile is compiled in, and lies in resources/ to be looked at.
+
+    Parameters
+    ----------
+    vehicles : of the platoon that follows; not used here
+    profile : CSV file of a speed profile to drive instead of the wave
+
+    Raises
+    ------
+    ModelError : if the profile is invalid
+    """
+    rows = None if profile is None else read_profile(profile)
+    return NativeFmu(
+        name="PspLeaderNative",
+        description=f"{leader.description(profile.name if profile else None)}; {ALONE}",
+        header="leader_model.h",
+        vehicles=vehicles,
+        table=leader.leader_table(profile is not None),
+        networks={},
+        notes=(NEEDS,),
+        more={} if profile is None else {"resources/profile.csv": profile.read_bytes()},
+        headers={"psp_profile.h": profile_header(rows)},
+    )
