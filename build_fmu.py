@@ -98,17 +98,11 @@ def build_native(options: Options, networks: Mapping[int, NetworkFile]) -> Path:
     MissingExtra : where what builds the native FMU is missing
     """
     require("a native FMU", "native", BRINGS["native"])
-    from fmu_src.native import build as native
-    from fmu_src.native.components import native_leader, native_plant
+    from fmu_src.native.build import build_native_fmu, chosen_platforms
+    from fmu_src.native.components import native_fmu
 
-    makers: dict[str, Callable[[int], native.NativeFmu]] = {
-        "platoon": partial(native.native_platoon, networks=networks),
-        "controller": partial(native.native_controller, networks=networks),
-        "plant": native_plant,
-        "leader": partial(native_leader, profile=options.profile),
-    }
-    fmu = makers[options.component](options.vehicles)
-    return native.build_native_fmu(fmu, options.output, native.chosen_platforms(options.platforms))
+    fmu = native_fmu(options.component, options.vehicles, networks, options.profile)
+    return build_native_fmu(fmu, options.output, chosen_platforms(options.platforms))
 
 
 def build(options: Options, networks: Mapping[int, NetworkFile]) -> Path:

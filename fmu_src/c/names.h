@@ -135,4 +135,10 @@
 #define nothing_decided PSP_NAME(nothing_decided)
 #define decide PSP_NAME(decide)
 
+/* the plant */
+#define plant_begin PSP_NAME(plant_begin)
+#define plant_take_vehicles PSP_NAME(plant_take_vehicles)
+#define plant_advance PSP_NAME(plant_advance)
+#define plant_acceleration PSP_NAME(plant_acceleration)
+
 #endif

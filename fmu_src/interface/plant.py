@@ -35,7 +35,7 @@ def _inputs(n: int) -> Iterator[Variable]:
         text = f"Acceleration of vehicle {i}: the last one that is set within a period counts for all of it"
         yield Variable(f"a[{i}]", text, "m/s2", 0.0, nominal=1, input=True)
     for i in range(1, n + 1):
-        text = f"1 if a[{i}] is commanded to vehicle {i}, 0 if the vehicle drives itself and has it at once"
+        text = f"1 if vehicle {i} is commanded its acceleration, 0 if it drives itself and has it at once"
         yield Variable(f"automated[{i}]", text, "1", 1.0, 0, 1, input=True)
 
 

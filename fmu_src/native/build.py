@@ -48,7 +48,7 @@ _OWN_SOURCES = {  # what not all components have, by the name of the header that
         "controller_sample.c",
         "controller_settings.c",
     ),
-    "plant_model.h": ("plant.h", "plant_backend.c", "plant_motion.c", "plant_restore.c"),
+    "plant_model.h": ("plant.h", "plant_backend.c", "plant_motion.c", "plant_restore.c", "plant_settings.c"),
     "leader_model.h": ("leader_backend.c",),
 }
 

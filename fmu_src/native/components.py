@@ -1,14 +1,41 @@
-"""The native `PspPlant` and `PspLeader`: what they are made from."""
+"""What each native FMU is made from, by component; `PspPlant` and `PspLeader`."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from psp_model.vehicles.leader import read_profile
 
 from ..interface import leader, plant
-from .build import ALONE, NEEDS, NativeFmu
+from ..networks import NetworkFile
+from .build import ALONE, NEEDS, NativeFmu, native_controller, native_platoon
 from .tables import profile_header
+
+NATIVE = ("platoon", "controller", "plant", "leader")
+
+
+def native_fmu(
+    component: str, vehicles: int, networks: Mapping[int, NetworkFile], profile: Path | None = None
+) -> NativeFmu:
+    """A component.
+
+    Parameters
+    ----------
+    component : of NATIVE
+    vehicles : most vehicles, at least 2
+    networks : from `networks_up_to`; plant and leader have none
+    profile : what a leader drives instead of the wave
+
+    Raises
+    ------
+    ModelError : if the profile is invalid
+    """
+    if component == "plant":
+        return native_plant(vehicles)
+    if component == "leader":
+        return native_leader(vehicles, profile)
+    return {"platoon": native_platoon, "controller": native_controller}[component](vehicles, networks)
 
 
 def native_plant(vehicles: int) -> NativeFmu:

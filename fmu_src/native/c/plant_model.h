@@ -1,0 +1,11 @@
+/* What the plant FMU holds beside its variables. */
+#ifndef PSP_PLANT_MODEL_H
+#define PSP_PLANT_MODEL_H
+
+#include "plant.h"
+
+typedef Plant Part;
+
+typedef Driving Scratch;
+
+#endif
