@@ -48,6 +48,8 @@ LIKE = {
     "v_desired": "v",
     "v_high": "v",
     "v_low": "v",
+    "clearance": "s",
+    "acceleration": "a",
     "a_safe": "a",
     "rollout_horizon": "T",
     "max_age": "T",
@@ -123,7 +125,10 @@ def test_variables_have_the_units_of_the_table() -> None:
 def test_every_numbered_variable_is_a_quantity_or_a_flag() -> None:
     numbered = {variable.name.partition("[")[0] for variable in tables() if "[" in variable.name}
     without = {name for name in numbered if name not in QUANTITIES and not name.endswith("_start")}
-    assert without == {"vehicle", "saturated"} and {"x", "s", "v", "a", "s_start", "v_start"} <= numbered
+    assert (
+        without == {"vehicle", "saturated", "automated", "clearance", "acceleration"}
+        and {"x", "s", "v", "a", "s_start", "v_start"} <= numbered
+    )
 
 
 @pytest.mark.parametrize(
