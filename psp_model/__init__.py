@@ -22,7 +22,7 @@ from .public import (
 )
 from .run import Run
 from .sampling.hold import Plant
-from .sampling.policy import Lemma1Policy, Sampling
+from .sampling.policy import Certificate, Lemma1Policy, Sampling
 from .sampling.uncertain import Errors
 from .selection.feasible import max_slope, project, require_feasible
 from .selection.network import ParameterNetwork
@@ -45,6 +45,7 @@ __all__ = [
     "BadMeasurement",
     "BestOfRollouts",
     "Braking",
+    "Certificate",
     "Command",
     "Controller",
     "ControllerSettings",

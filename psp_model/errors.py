@@ -96,11 +96,7 @@ SENTENCES = {
     "batch the same number of vehicles, at least 2, and the same constants",
     "batch_potentials": "%d potentials do not fit %d starts: give one for all, or one for each",
     "output_step": "output_step = %.10g s must be positive and finite: give it a time above 0 s",
-    "a_min": "a_min = %.10g m/s2 must be negative, as a vehicle has to be able to slow down: give it a value below 0 "
-    "m/s2",
-    "a_max": "a_max = %.10g m/s2 must be positive, as a vehicle has to be able to speed up: give it a value above 0 "
-    "m/s2",
-    "a_safe": "a_safe = %.10g m/s2 must not be below a_min = %.10g m/s2: raise a_safe or lower a_min",
+    "a_safe": "a_safe = %.10g m/s2 must not be below a_min[%d] = %.10g m/s2: raise a_safe or lower that a_min",
     "a_safe_positive": "a_safe = %.10g m/s2 must not be above 0 m/s2, as the fail-safe command slows down: give it 0 "
     "m/s2 or less",
     "max_age": "max_age = %.10g s must be positive: it is the greatest age of an input, give it a time above 0 s",
@@ -112,6 +108,8 @@ SENTENCES = {
     "m/s, or -1 m/s for v_star",
     "measured_gap": "the measured spacing s[%d] = %.10g m does not exceed L = %.10g m, and no feedback is defined "
     "there: keep the vehicles apart, check the sensor, or lower L",
+    "measured_clearance": "the measured spacing s[%d] = %.10g m does not exceed the length of vehicle %d, %.10g m, "
+    "and no feedback is defined where vehicles touch: keep them apart, check the sensor, or correct that length",
     "measured_order": "the measured spacing s[%d] = %.10g m is not above 0 m, as if vehicle %d were not behind "
     "vehicle %d: number the vehicles from the front, or check the sensor",
     "measured_speed": "the measured speed v[%d] = %.10g m/s is above v_max = %.10g m/s, and no feedback is defined "
@@ -122,10 +120,15 @@ SENTENCES = {
     "age": "the inputs are %.10g s old, which is not a finite number: set t_measured to the time of measurement, or "
     "to -1 s for the time at which they are set",
     "safe_action": "the fail-safe command is given at t = %.10g s: %s",
-    "lemma1_controller": "T = %.10g s is not below T_max = %.10g s at t = %.10g s for the measured spacings and "
-    "speeds (Lemma 1): choose T < %.10g s, or lemma1_policy 2",
-    "lemma1_controller_gap": "T = %.10g s is not below T_max = %.10g s at t = %.10g s for the measured spacing s[%d] "
-    "= %.10g m (Lemma 1): keep that spacing above %.10g m, choose T < %.10g s, or lemma1_policy 2",
+    "lemma1_controller": "T = %.10g s is not below T_max = %.10g s at t = %.10g s for the %s spacings and speeds "
+    "(Lemma 1): choose T < %.10g s, or lemma1_policy 2",
+    "lemma1_controller_gap": "T = %.10g s is not below T_max = %.10g s at t = %.10g s for the %s spacing s[%d] = "
+    "%.10g m (Lemma 1): keep that spacing above %.10g m, choose T < %.10g s, or lemma1_policy 2",
+    "exact_controller": "T = %.10g s is not below T_exact = %.10g s at t = %.10g s, after which the commands held "
+    "would take a spacing to its limit or a speed out of [0, v_max]: choose T < %.10g s, or lemma1_policy 2",
+    "older_input": "the inputs are %.10g s old, and vehicles can be predicted from %.10g s at most: measure more often",
+    "commands": "actuation_delay = %.10g s means %d commands of T = %.10g s on their way, more than the %d that can be "
+    "remembered: raise T, or lower actuation_delay",
     "full": "the platoon is full (%d vehicles): remove one first, or build the FMU for more",
     "place": "%s = %.10g must be a whole number from %d to %d: name a vehicle of the platoon",
     "last": "the last vehicle cannot leave: a platoon has at least 1",

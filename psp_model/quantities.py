@@ -66,6 +66,8 @@ _TABLE = (
 
 QUANTITIES = {quantity.name: quantity for quantity in _TABLE}
 
+_ENDINGS = ("_start", "_fixed", "_measured", "_predicted")
+
 FIELD_NAMES = {"lam": "lambda"}
 """Fields of the model's structs that cannot be called what the quantity is called: `lambda` is a keyword of Python."""
 
@@ -83,4 +85,7 @@ def quantity_of(field: str) -> Quantity:
     """
     name = field.split("[")[0]
     name = FIELD_NAMES.get(name, name)
-    return QUANTITIES[name if name in QUANTITIES else name.removesuffix("_start").removesuffix("_fixed")]
+    for ending in _ENDINGS:
+        if name not in QUANTITIES:
+            name = name.removesuffix(ending)
+    return QUANTITIES[name]

@@ -19,7 +19,8 @@ from .law.following import NEAREST, PREDECESSOR
 from .law.potential import PotentialParameters
 from .parameters import HILL_WIDTH, Actuation, ObjectiveWeights, PlatoonParameters
 from .quantities import quantity_of
-from .sampling.policy import Lemma1Policy, Sampling
+from .sampling.policy import Certificate, Lemma1Policy, Sampling
+from .sampling.uncertain import Errors
 from .state import PlatoonState
 
 Struct = TypeVar("Struct")
@@ -30,7 +31,7 @@ def validate(struct: Struct) -> Struct:
 
     Parameters
     ----------
-    struct : PlatoonParameters, ObjectiveWeights, PotentialParameters, Sampling, Cooperation, Actuation, or a
+    struct : PlatoonParameters, ObjectiveWeights, PotentialParameters, Sampling, Cooperation, Actuation, Errors, or a
         PlatoonState with its constants
 
     Returns
@@ -43,6 +44,23 @@ def validate(struct: Struct) -> Struct:
     """
     _check(struct)
     return struct
+
+
+def validate_law(cooperation: Cooperation, constants: PlatoonParameters) -> None:
+    """Check the parameters of the extended law for given constants.
+
+    Parameters
+    ----------
+    cooperation, constants : of the law
+
+    Raises
+    ------
+    ModelError : where a value is not finite or not in the model's domain, naming it
+    """
+    validate(cooperation)
+    reach = cooperation.kappa_reach
+    if cooperation.kappa > 0:
+        _require(bool(reach > constants.L), "reach", "kappa_reach", reach, "L", constants.L)
 
 
 @singledispatch
@@ -117,12 +135,22 @@ def _(actuation: Actuation) -> None:
 
 
 @_check.register
+def _(errors: Errors) -> None:
+    for name, unit in (("error_s", "m"), ("error_v", "m/s")):
+        value = getattr(errors, name)
+        _require(isfinite(value), "finite", name, value, unit)
+        _require(value >= 0, "not_negative", name, value, unit, unit)
+
+
+@_check.register
 def _(sampling: Sampling) -> None:
     _require(isfinite(sampling.T), "finite", "T", sampling.T, "s")
     _require(sampling.T > 0, "T", sampling.T)
     policies = list(Lemma1Policy)
     _require(sampling.policy in policies, "choice", "lemma1_policy", sampling.policy, min(policies), max(policies))
     _require(sampling.max_short_periods >= 1, "count", "max_short_periods", sampling.max_short_periods)
+    known = list(Certificate)
+    _require(sampling.certificate in known, "choice", "certificate", sampling.certificate, min(known), max(known))
 
 
 @_check.register

@@ -59,6 +59,15 @@ class ControllerFmu:
                 f"{vehicles}"
             )
 
+    def elements(self, name: str) -> list[str]:
+        """The variable of that name or, where each vehicle has one of its own, all of theirs.
+
+        Parameters
+        ----------
+        name : with or without an index
+        """
+        return [name] if name in self.variables else [f"{name}[{i}]" for i in range(1, self.capacity + 1)]
+
     def references(self, *names: str) -> Any:
         """Value references as fmpy takes them."""
         return (c_uint32 * len(names))(*(self.variables[name].valueReference for name in names))
@@ -97,7 +106,7 @@ class Platoon:
     ----------
     fmu : the unpacked FMU
     name : of the instance
-    parameters : start values by name
+    parameters : start values by name; without an index for all vehicles
     T : sampling period and communication step [s]
     inputs, outputs : where to keep them, as long as `fmu.inputs` and `fmu.outputs`; arrays of its own if not given
     """
@@ -121,7 +130,8 @@ class Platoon:
         )
         self._slave.instantiate(callbacks=self._callbacks, loggingOn=True)  # otherwise it logs errors only
         self._slave.setupExperiment(startTime=0.0)
-        for parameter, value in (dict(parameters) | {"T": T}).items():
+        given = {one: value for name, value in (dict(parameters) | {"T": T}).items() for one in fmu.elements(name)}
+        for parameter, value in given.items():
             variable = fmu.variables[parameter]
             if variable.type == "Integer":
                 self._slave.setInteger([variable.valueReference], [int(value)])
@@ -223,7 +233,7 @@ class Fleet:
     ----------
     fmu : the unpacked FMU
     platoons : how many
-    parameters : start values by name
+    parameters : start values by name; without an index for all vehicles
     T : sampling period and communication step [s]
     """
 

@@ -16,6 +16,7 @@ from psp_model import (
     V_OLD,
     Actuation,
     BestOfRollouts,
+    Certificate,
     DelayedVehicles,
     Fixed,
     FromNetwork,
@@ -117,7 +118,9 @@ def future(made: SampledPlatoon) -> list[Any]:
 def controller(**settings: Any) -> SampledController:
     """A controller that has decided a few times, once on bad measurements."""
     networks = read_networks(NETWORKS, {7: "platoon_7_mse.onnx"})
-    told = ControllerSettings(7, bad_input=BadMeasurement.SAFE_ACTION, a_max=3.0, **settings)
+    told = ControllerSettings(
+        7, bad_input=BadMeasurement.SAFE_ACTION, actuation=Actuation(a_min=-8.0, a_max=3.0), **settings
+    )
     made = SampledController.begin(told, networks, hear)
     decisions(made, range(3))
     return made
@@ -211,6 +214,7 @@ EXAMPLES: dict[str, Example] = {
     "StartDomain": (lambda: StartDomain(gap_min=9.0), lambda made: made.draw(np.random.default_rng(1), 4, 3)),
     "Sampling": (lambda: Sampling(0.02, Lemma1Policy.SHORTEN, 7), itself),
     "Lemma1Policy": (lambda: Lemma1Policy.WARN, itself),
+    "policy.Certificate": (lambda: Certificate.EXACT, itself),
     "ParameterSource": (lambda: ParameterSource.ROLLOUT, itself),
     "BadMeasurement": (lambda: BadMeasurement.SAFE_ACTION, itself),
     "ModelError": (refused, itself),
@@ -227,6 +231,7 @@ EXAMPLES: dict[str, Example] = {
     "ControllerSettings": (lambda: ControllerSettings(5, a_safe=-1.5), itself),
     "Measurement": (lambda: Measurement(np.array([9.0]), np.array([30.0, 29.0]), 2.0), itself),
     "Command": (lambda: controller().now, itself),
+    "Basis": (lambda: controller().now.basis, itself),
     "SampledController": (controller, decisions),
     "SampledController, rollouts": (
         lambda: controller(request=Request(source=ParameterSource.ROLLOUT, rollouts=2, horizon=0.1)),
@@ -254,7 +259,7 @@ EXAMPLES: dict[str, Example] = {
     "StoppingIntegrators": (lambda: STOPPING, rode),
     "DelayedVehicles": (lambda: DelayedVehicles(Actuation(0.03, 0.2)), rode),
     "Delayed": (delayed, lambda made: DelayedVehicles(Actuation(0.03, 0.2)).advance(made, np.zeros(3), 0.02)),
-    "controller.Verdict": (lambda: decision().verdict, itself),
+    "deciding.Verdict": (lambda: decision().verdict, itself),
     "Decision": (lambda: decision(), itself),
     # selection
     "Selection": (lambda: Selection(BEST_FIXED, warning="too far: come nearer"), itself),

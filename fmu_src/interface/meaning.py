@@ -7,14 +7,17 @@ Slaves, command line and the files for other tools all use it; the C of the nati
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any, TypeVar
 
+import numpy as np
+
 from psp_model.errors import ModelError
+from psp_model.law.cooperation import Cooperation
 from psp_model.law.potential import PotentialParameters
-from psp_model.parameters import ObjectiveWeights, PlatoonParameters
+from psp_model.parameters import Actuation, ObjectiveWeights, PlatoonParameters
 from psp_model.quantities import FIELD_NAMES
-from psp_model.sampling.policy import Lemma1Policy, Sampling
+from psp_model.sampling.policy import Certificate, Lemma1Policy, Sampling
 from psp_model.selection.selectors import ParameterSource, Request
 from psp_model.state import PlatoonState
 from psp_model.validate import validate
@@ -80,19 +83,76 @@ def choice_of(row: Variable, value: float) -> int:
     return chosen
 
 
+def lengths_of(read: Read, n: int, L: float) -> np.ndarray[tuple[int], np.dtype[np.float64]] | None:
+    """The lengths of vehicles, (n,) [m]; None where all are L.
+
+    Parameters
+    ----------
+    read : value by name; a length of 0 stands for L
+    n : vehicles
+    L : smallest allowable spacing [m]
+    """
+    given = np.array([read(f"length[{i}]") for i in range(1, n + 1)])
+    lengths = np.where(given == 0.0, L, given)
+    return None if (lengths == L).all() else lengths
+
+
+def cooperation_of(read: Read, rows: Mapping[str, Variable], n: int, L: float) -> Cooperation:
+    """The parameters of the extended law; they are checked where the constants are known.
+
+    Parameters
+    ----------
+    read : value by name
+    rows : of the table by name
+    n : vehicles
+    L : smallest allowable spacing [m]
+    """
+
+    def given(name: str) -> float:
+        return read(name) if name in rows else float(getattr(Cooperation, name))
+
+    return Cooperation(
+        kappa=given("kappa"),
+        kappa_reach=given("kappa_reach"),
+        time_gap=given("time_gap"),
+        feedforward=given("feedforward"),
+        following=choice_of(rows["following"], read("following")) if "following" in rows else Cooperation.following,
+        closing_speed=given("closing_speed"),
+        closing_spacing=given("closing_spacing"),
+        closing_reach=given("closing_reach"),
+        length=lengths_of(read, n, L),
+    )
+
+
+def actuation_of(read: Read, n: int) -> Actuation:
+    """Dead time, lags and limits of vehicles.
+
+    Parameters
+    ----------
+    read : value by name
+    n : vehicles
+    """
+    lag, least, most = (
+        np.array([read(f"{name}[{i}]") for i in range(1, n + 1)]) for name in ("actuator_lag", "a_min", "a_max")
+    )
+    return Actuation(read("actuation_delay"), lag if lag.any() else 0.0, least, most)
+
+
 def sampling_of(read: Read, rows: Mapping[str, Variable]) -> Sampling:
     """Sampling period and policy.
 
     Parameters
     ----------
     read : value by name
-    rows : of the table by name; max_short_periods may be missing
+    rows : of the table by name; max_short_periods and certificate may be missing
     """
-    policy = Lemma1Policy(choice_of(rows["lemma1_policy"], read("lemma1_policy")))
-    if "max_short_periods" not in rows:
-        return validate(Sampling(read("T"), policy))
-    most = choice_of(rows["max_short_periods"], read("max_short_periods"))
-    return validate(Sampling(read("T"), policy, most))
+    sampling = Sampling(read("T"), Lemma1Policy(choice_of(rows["lemma1_policy"], read("lemma1_policy"))))
+    if "certificate" in rows:
+        sampling = replace(sampling, certificate=Certificate(choice_of(rows["certificate"], read("certificate"))))
+    if "max_short_periods" in rows:
+        most = choice_of(rows["max_short_periods"], read("max_short_periods"))
+        sampling = replace(sampling, max_short_periods=most)
+    return validate(sampling)
 
 
 def request_of(read: Read, rows: Mapping[str, Variable]) -> Request:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf, nextafter
 from sys import float_info
 
 import numpy as np
-from numpy.typing import NDArray
 
 from psp_model.law.cooperation import Cooperation
 from psp_model.parameters import NO_LIMIT, Actuation, PlatoonParameters
@@ -14,26 +14,14 @@ from psp_model.sampling.policy import Sampling
 from psp_model.validate import validate
 from psp_model.vehicles.road_plant import RoadPlant
 
-from .meaning import Read, start_of
+from .meaning import Read, actuation_of, start_of
 
 _ANYWHERE = PlatoonParameters(L=nextafter(0.0, 1.0), v_max=float_info.max)
 """Constants for a plant, which requires of a start only that vehicles are in order and do not reverse."""
 
 
-def each_of(read: Read, name: str, n: int) -> NDArray[np.float64]:
-    """name[1] to name[n].
-
-    Parameters
-    ----------
-    read : value by name
-    name : of the array
-    n : vehicles
-    """
-    return np.array([read(f"{name}[{i}]") for i in range(1, n + 1)])
-
-
-def actuation_of(read: Read, n: int) -> Actuation:
-    """Dead time, lags and limits of n vehicles.
+def vehicles_of(read: Read, n: int) -> Actuation:
+    """Dead time, lags and limits that n vehicles have.
 
     Parameters
     ----------
@@ -44,10 +32,9 @@ def actuation_of(read: Read, n: int) -> Actuation:
     ------
     ModelError : if a value is outside the model's domain
     """
-    least, most = each_of(read, "a_min", n), each_of(read, "a_max", n)
-    told = validate(Actuation(read("actuation_delay"), each_of(read, "actuator_lag", n), least, most))
-    free = np.where(least > -NO_LIMIT, least, -inf), np.where(most < NO_LIMIT, most, inf)
-    return Actuation(told.actuation_delay, told.actuator_lag, *free)
+    told = validate(actuation_of(read, n))
+    least = np.where(np.greater(told.a_min, -NO_LIMIT), told.a_min, -inf)
+    return replace(told, a_min=least, a_max=np.where(np.less(told.a_max, NO_LIMIT), told.a_max, inf))
 
 
 def plant_of(read: Read, n: int) -> RoadPlant:
@@ -63,6 +50,6 @@ def plant_of(read: Read, n: int) -> RoadPlant:
     ModelError : if a value is outside the model's domain
     """
     start, T = start_of(read, n, _ANYWHERE), validate(Sampling(read("T"))).T
-    length = each_of(read, "length", n)
+    length = np.array([read(f"length[{i}]") for i in range(1, n + 1)])
     validate(Cooperation(length=length))
-    return RoadPlant.begin(start, T, actuation_of(read, n), length)
+    return RoadPlant.begin(start, T, vehicles_of(read, n), length)

@@ -3,44 +3,31 @@
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from psp_model.controller import BadMeasurement, Command, ControllerSettings, Measurement, SampledController
+from psp_model.controller import (
+    BadMeasurement,
+    Command,
+    ControllerSettings,
+    Measurement,
+    SampledController,
+    followed_of,
+    is_certified,
+    margin_of,
+)
 from psp_model.errors import ModelError
 from psp_model.sampling.clock import Clock
+from psp_model.sampling.uncertain import Errors
 
 from ..interface.controller import controller_table
-from ..interface.meaning import constants_of, weights_of
+from ..interface.meaning import actuation_of, constants_of, cooperation_of, weights_of
 from ..interface.variables import Variable
+from .controller_state import Kept, restored
 from .network_files import networks_of
-from .slave_state import IN_MEMORY, SlaveState
-from .state_check import bound, count, flag, number, potential, record, require, vector
+from .slave_state import SlaveState
 from .table_slave import LONGEST, TableSlave, logged
-
-_KEPT = ("sampled", "set_at", "fresh", "now", "ahead")
-
-
-@dataclass(frozen=True, eq=False)
-class _Kept:
-    """What a state keeps of a controller.
-
-    Attributes
-    ----------
-    sampled, set_at, fresh, ahead : as the slave has them
-    now : the last decision
-    controller : with what the parameters say
-    """
-
-    sampled: int
-    set_at: float
-    fresh: bool
-    now: Command
-    ahead: Command | None
-    controller: SampledController = field(metadata=IN_MEMORY)
 
 
 class PspController(TableSlave):
@@ -60,6 +47,8 @@ class PspController(TableSlave):
         self._sampled = 0  # instants already passed
         self._set_at = 0.0  # [sampling periods] since the first sampling instant, when spacings or speeds were last set
         self._fresh = True  # inputs were set at this communication point
+        self._margin = self._place["brake_margin"]
+        self._margin_known = False  # brake_margin in _values is that of `_shown`
 
     def _make_table(self) -> tuple[Variable, ...]:
         return controller_table(self.vehicles, self._config["default_source"])
@@ -86,14 +75,16 @@ class PspController(TableSlave):
         phase = read("phase")
         if not 0 <= phase < sampling.T:
             raise ModelError("phase", phase, sampling.T)
+        constants, n = constants_of(read), self.vehicles
         return ControllerSettings(
-            capacity=self.vehicles,
-            constants=constants_of(read),
+            capacity=n,
+            constants=constants,
             weights=weights_of(read),
             sampling=sampling,
             request=self._request(),
-            a_min=read("a_min"),
-            a_max=read("a_max"),
+            cooperation=cooperation_of(read, self._rows, n, constants.L),
+            actuation=actuation_of(read, n),
+            errors=Errors(read("error_s"), read("error_v")),
             bad_input=BadMeasurement(self._chosen("bad_input")),
             a_safe=read("a_safe"),
             max_age=read("max_age"),
@@ -112,13 +103,17 @@ class PspController(TableSlave):
         time = self._clock.time_of(self._sampled, T)
         age = (self._sampled - self._set_at) * T if taken < 0 else time - taken
         measured = Measurement(
-            s=np.array(self._numbers("s", 2, n)),
-            v=np.array(self._numbers("v", 1, n)),
+            s=self._numbers("s", 2, n),
+            v=self._numbers("v", 1, n),
             n_active=self._value("n_active"),
             resolve=self._value("resolve"),
             age=age,
             age_rounding=self._clock.age_rounding(age, T),
             v_desired=None if desired <= -1 else desired,
+            a_desired=self._value("a_desired"),
+            automated=self._numbers("automated", 1, n),
+            a_measured=self._numbers("a_measured", 1, n),
+            a_known=self._numbers("a_known", 1, n),
         )
         controller.sample(time, measured)
 
@@ -160,20 +155,35 @@ class PspController(TableSlave):
             self._ahead = trial.now
         return self._ahead
 
+    def _get(self, references: list[int], integer: bool) -> list[float]:
+        values = super()._get(references, integer)
+        if not self._margin_known and self._margin in references and self._part is not None:
+            self._values[self._margin] = margin_of(self._part.settings, self._shown)
+            self._margin_known = True
+            return super()._get(references, integer)
+        return values
+
     def _outputs(self, controller: SampledController) -> list[float]:
-        now = self._decided(controller)
-        shape = now.shape
-        certified = now.T_max > self._value("T")
-        reports = (shape.alpha, shape.r, shape.p, now.in_domain, min(now.T_max, LONGEST), certified, now.violations)
+        """All but brake_margin, which takes as long as the rest together, and is computed where it is read."""
+        now, settings = self._decided(controller), controller.settings
+        self._shown, self._margin_known = now, False
+        shape, N = now.shape, settings.capacity
+        lemma1 = (min(now.T_max, LONGEST), now.T_max > settings.sampling.T)
+        exact = (min(now.T_exact, LONGEST), is_certified(settings, now))
+        reports = (shape.alpha, shape.r, shape.p, now.in_domain, *lemma1, *exact, now.violations)
         counts = (now.in_order, now.faults, now.choices)
-        return [*map(float, (*now.a, *now.saturated, *reports, *counts))]
+        basis, s, v = now.basis, [0.0] * (N - 1), [0.0] * N
+        if basis is not None:
+            s[: basis.s.size], v[: basis.v.size] = basis.s_predicted.tolist(), basis.v_predicted.tolist()
+        seen = (0.0, *s, *v, *followed_of(settings, now))
+        return [*map(float, (*now.a, *now.saturated, *reports, *counts, *seen))]
 
     # the whole state
 
-    def _kept(self, controller: SampledController) -> _Kept:
-        return _Kept(self._sampled, self._set_at, self._fresh, controller.now, self._ahead, controller)
+    def _kept(self, controller: SampledController) -> Kept:
+        return Kept(self._sampled, self._set_at, self._fresh, controller.now, self._ahead, controller)
 
-    def _taken_up(self, kept: _Kept) -> SampledController:
+    def _taken_up(self, kept: Kept) -> SampledController:
         self._sampled, self._set_at, self._fresh, self._ahead = kept.sampled, kept.set_at, kept.fresh, kept.ahead
         return replace(kept.controller, now=kept.now, warn=self._warn)
 
@@ -181,30 +191,5 @@ class PspController(TableSlave):
         self._sampled, self._set_at, self._fresh, self._ahead = 0, 0.0, True, None
         super()._become_state(state)
 
-    def _restored(self, data: Any, here: Clock) -> _Kept:
-        kept, settings = record(data, _KEPT), self._settings()
-        set_at, sampled = number(kept["set_at"]), count(kept["sampled"])
-        require(set_at <= here.period + here.offset + 1.0)
-        require(abs(sampled - here.period) <= 2)  # or a step would pass others without end
-        now = _unpack(kept["now"], settings)
-        ahead = None if kept["ahead"] is None else _unpack(kept["ahead"], settings)
-        return _Kept(sampled, set_at, flag(kept["fresh"]), now, ahead, self._made(settings))
-
-
-def _unpack(data: Any, settings: ControllerSettings) -> Command:
-    packed, N = record(data, Command.__dataclass_fields__), settings.capacity
-    saturated, n_active = packed["saturated"], count(packed["n_active"])
-    require(n_active <= N and isinstance(saturated, list) and len(saturated) == N)
-    return Command(
-        a=vector(packed["a"], N),
-        saturated=np.array([flag(one) for one in saturated], dtype=bool),
-        in_order=flag(packed["in_order"]),
-        T_max=bound(packed["T_max"]),
-        violations=count(packed["violations"]),
-        faults=count(packed["faults"]),
-        choices=count(packed["choices"]),
-        n_active=n_active,
-        in_domain=flag(packed["in_domain"]),
-        resolve=number(packed["resolve"]),
-        shape=potential(packed["shape"], settings.constants, settings.request.old),
-    )
+    def _restored(self, data: Any, here: Clock) -> Kept:
+        return restored(data, here, self._made(self._settings()))

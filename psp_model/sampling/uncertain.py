@@ -1,4 +1,4 @@
-"""Lemma 1 for what is measured late and with bounded errors: the worst case at the predicted state (ours)."""
+"""Lemma 1 and the exact period for what is measured late and with bounded errors: the worst case (ours)."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ import numpy as np
 
 from ..namespaces import Array, Number, array_namespace, smallest
 from ..parameters import PlatoonParameters
+from .exact import first_contact
+from .hold import relative
 
 
 class Errors(NamedTuple):
@@ -49,11 +51,53 @@ def uncertain_period(
     is that of Lemma 1, bit for bit, in Omega
     """
     xp = array_namespace(v)
+    of_spacings = xp.maximum(s - errors.error_s - constants.L, 0.0) / constants.v_max
+    return smallest(xp.concat([of_spacings, *_of_speeds(v, a, errors, constants, a_before)]))
+
+
+def uncertain_exact_period(
+    s: Array,
+    v: Array,
+    a: Array,
+    errors: Errors,
+    constants: PlatoonParameters,
+    a_before: Array | None = None,
+    a_foreign: Array | None = None,
+) -> Array:
+    """T_exact for spacings and speeds that are known within bounds (ours: the exact period with the worst case).
+
+    With a lag each acceleration lies between that of the actuator and the command; the worst of both counts.
+
+    Parameters
+    ----------
+    s, v, a, errors, a_before : as for `uncertain_period`
+    a_foreign : (n, ...) array, what vehicles that drive themselves are taken to hold; 0 for the others, for whose `a`
+        theirs is 0 [m/s2]; None where all are automated
+
+    Returns
+    -------
+    (...) array [s], not negative; without errors and without a lag that of `exact_period`, bit for bit, in Omega
+    """
+    xp = array_namespace(v)
+    before = a if a_before is None else a_before
+    most, least = xp.maximum(a, before), xp.minimum(a, before)
+    if a_foreign is not None:
+        most, least = most + a_foreign, least + a_foreign
+    room = xp.maximum(s - errors.error_s - constants.L, 0.0)
+    found = first_contact(room, relative(v) - 2.0 * errors.error_v, least[:-1] - most[1:])
+    of_spacings = xp.where(room > 0.0, found, 0.0)
+    return smallest(xp.concat([of_spacings, *_of_speeds(v, a, errors, constants, a_before)]))
+
+
+def _of_speeds(
+    v: Array, a: Array, errors: Errors, constants: PlatoonParameters, a_before: Array | None
+) -> tuple[Array, Array]:
+    """How long speeds stay at most v_max, and at least 0, (n, ...) each [s]."""
+    xp = array_namespace(v)
     before = a if a_before is None else a_before
     most, least = xp.maximum(a, before), xp.minimum(a, before)
     up = xp.maximum(constants.v_max - (v + errors.error_v), 0.0)
     down = xp.maximum(v - errors.error_v, 0.0)
-    of_gaps = xp.maximum(s - errors.error_s - constants.L, 0.0) / constants.v_max
     faster = xp.where(most > 0.0, up / xp.where(most > 0.0, most, 1.0), np.inf)
     slower = xp.where(least < 0.0, down / xp.where(least < 0.0, -least, 1.0), np.inf)
-    return smallest(xp.concat([of_gaps, faster, slower]))
+    return faster, slower

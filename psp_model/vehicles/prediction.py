@@ -80,10 +80,12 @@ def predict(
     s, v : (n-1, ...) spacings [m] and (n, ...) speeds [m/s], measured
     age : how old they are, up to the span [s]
     """
-    actuators = issued.actuators
+    actuators, horizon = issued.actuators, age + actuation.actuation_delay
+    if issued.span == 0.0 and horizon == 0.0 and foreign is None:  # the state is that which was measured
+        return Predicted(s, v, unless_standing(v, actuators.command if is_off(actuation.actuator_lag) else actuators.a))
     if issued.span > age:
         actuators = settle(actuators, actuation, issued.span - age)
-    then, moved, actuators = drive(v, actuators, actuation, age + actuation.actuation_delay, foreign)
+    then, moved, actuators = drive(v, actuators, actuation, horizon, foreign)
     a = actuators.command if is_off(actuation.actuator_lag) else actuators.a
     if foreign is not None:
         a = array_namespace(v).where(foreign.automated > 0.5, a, foreign.a)

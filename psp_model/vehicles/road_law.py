@@ -98,6 +98,25 @@ class RoadLaw:
         if seen.age > self.oldest * (1.0 + 1e-9):
             raise ModelError("older", seen.age, self.oldest)
         memory = memory or Remembered(nothing_issued(seen.v, self.oldest))
+        watched, predicted, wanted = self.wanted(memory, seen)
+        a = limited(wanted, self.actuation)
+        if seen.automated is not None:
+            a = a * seen.automated
+        return Remembered(issue(memory.issued, a, self.T, self.actuation), watched, predicted), a
+
+    def wanted(self, memory: Remembered, seen: Seen) -> tuple[Watched | None, Predicted, Array]:
+        """What the law asks for, before it is limited, and what it is asked for.
+
+        Parameters
+        ----------
+        memory : what is remembered
+        seen : what is measured and communicated
+
+        Returns
+        -------
+        what is remembered of others, None where nothing is; the state at which the law is evaluated; and the (n, ...)
+        accelerations [m/s2], which mean nothing for vehicles that drive themselves
+        """
         watched = self._watch(memory.watched, seen)
         foreign = None
         if seen.automated is not None:
@@ -107,10 +126,7 @@ class RoadLaw:
         traffic = Traffic(seen.automated, None, seen.v_desired, seen.a_desired, closing)
         lag = self.actuation.actuator_lag
         wanted = predictive_command(predicted, self.potential, self.constants, self.cooperation, traffic, lag)
-        a = limited(wanted, self.actuation)
-        if seen.automated is not None:
-            a = a * seen.automated
-        return Remembered(issue(memory.issued, a, self.T, self.actuation), watched, predicted), a
+        return watched, predicted, wanted
 
     def _watch(self, before: Watched | None, seen: Seen) -> Watched | None:
         """What is remembered of others; nothing where all are automated and none closes up."""

@@ -38,6 +38,7 @@ from psp_model.controller import (
     no_command,
 )
 from psp_model.law.feedback import feedback_towards
+from psp_model.parameters import Actuation
 from psp_model.selection.selectors import ParameterSource, Request, Selector
 from psp_model.vehicles.ideal import STOPPING, IdealPlant
 from strategies import CONSTANTS, paper_start
@@ -121,7 +122,7 @@ def test_the_fail_safe_command_is_for_active_vehicles_only(n: int) -> None:
 
 def test_limits_of_the_command_are_marked_and_count_in_T_max() -> None:
     s, v = np.array([5.5, 12.0, 30.0]), np.array([30.0, 30.0, 25.0, 35.0])
-    of = told(a_min=-1.0, a_max=0.5, a_safe=-0.5)
+    of = told(actuation=Actuation(a_min=-1.0, a_max=0.5), a_safe=-0.5)
     command = decided(of, Measurement(s, v, 4)).command
     law = feedback(s, v, BEST_FIXED, CONSTANTS)
     assert command.a.tolist() == np.clip(law, -1.0, 0.5).tolist()

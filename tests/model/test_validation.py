@@ -115,6 +115,8 @@ def test_weights(values: dict[str, float], key: str, words: list[str]) -> None:
         ({"T": -0.01}, "T", ["T = -0.01 s"]),
         ({"policy": 0}, "choice", ["lemma1_policy = 0", "1 to 3"]),
         ({"policy": 4}, "choice", ["lemma1_policy = 4", "1 to 3"]),
+        ({"certificate": 0}, "choice", ["certificate = 0", "1 to 2"]),
+        ({"certificate": 3}, "choice", ["certificate = 3", "1 to 2"]),
         ({"max_short_periods": 0}, "count", ["max_short_periods = 0", "at least 1"]),
     ],
 )

@@ -119,9 +119,14 @@ def test_the_desired_speed_may_change(controller):
     np.testing.assert_allclose(controller.group("a"), slower, atol=1e-12)
 
 
+def limits(least: float, most: float) -> dict[str, float]:
+    """The same limits for all vehicles."""
+    return {f"a_min[{i}]": least for i in range(1, N + 1)} | {f"a_max[{i}]": most for i in range(1, N + 1)}
+
+
 def test_the_command_is_bounded_and_says_where(controller):
     s, v = random_start(7)
-    assert controller.initialise({"potential": 1, "a_min": -3.0, "a_max": 1.5} | named(s, v)) == OK
+    assert controller.initialise({"potential": 1} | limits(-3.0, 1.5) | named(s, v)) == OK
     a = np.array(controller.group("a"))
     saturated = np.array(controller.get(*(f"saturated[{i}]" for i in range(1, N + 1))))
     assert a.min() == -3.0 and a.max() == 1.5 and 0 < saturated.sum() <= N
@@ -198,7 +203,9 @@ def test_inputs_set_before_the_start_time_is_known_belong_to_the_start(controlle
     assert controller.step(100.0, T) == OK
 
 
-@pytest.mark.parametrize("change", [{"a_min": 1.0}, {"a_max": 0.0}, {"a_safe": 1.0}, {"max_age": 0.0}, {"phase": T}])
+@pytest.mark.parametrize(
+    "change", [{"a_min[2]": 1.0}, {"a_max[7]": 0.0}, {"a_safe": 1.0}, {"max_age": 0.0}, {"phase": T}]
+)
 def test_a_bad_parameter_is_an_error_of_one_sentence(controller, change):
     assert controller.initialise(change) == ERROR
     assert next(iter(change)) in controller.messages[-1][1]

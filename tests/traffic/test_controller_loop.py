@@ -92,7 +92,7 @@ def ssp(tmp_path_factory, plant_fmu, controller_fmu, leader_fmu):
 
 def test_each_system_binds_every_parameter_and_states_the_step(tmp_path, plant_fmu, controller_fmu, leader_fmu):
     fmus = {"plant": plant_fmu, "controller": controller_fmu, "leader": leader_fmu}
-    given = {"T": 0.008, "v_start[3]": 29, "lemma1_policy": 2.0, "v_low": 20, "a_min": -6, "potential": 1}
+    given = {"T": 0.008, "v_start[3]": 29, "lemma1_policy": 2.0, "v_low": 20, "a_min[2]": -6, "potential": 1}
     paths = (tmp_path / "loop.ssp", tmp_path / "again" / "loop.ssp")
     one, other = (write_loop(path, plant_fmu.path, controller_fmu.path, N, given, leader_fmu.path) for path in paths)
     assert one.read_bytes() == other.read_bytes()

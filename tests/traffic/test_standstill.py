@@ -11,6 +11,7 @@ from harness import ERROR, OK, random_start
 from psp_model import BEST_FIXED, V_OLD, Lemma1Policy, PlatoonParameters, PlatoonState, Sampling
 from psp_model.controller import BadMeasurement, ControllerSettings, Measurement, SampledController
 from psp_model.law.feedback import feedback, feedback_towards
+from psp_model.parameters import Actuation
 from psp_model.sampling.hold import Motion
 from psp_model.selection.selectors import ParameterSource, Request
 from psp_model.validate import validate
@@ -101,7 +102,12 @@ def test_vehicles_that_stand_bumper_to_bumper_by_rounding_drive_off(old):
     standing = drive(controller, start, 5.0, lambda time: 0.0)
     assert (standing[-1].v == 0).all() and controller.now.faults == 0
     controller = SampledController.begin(
-        ControllerSettings(4, request=controller.settings.request, sampling=Sampling(T, Lemma1Policy.WARN), a_max=2.0)
+        ControllerSettings(
+            4,
+            request=controller.settings.request,
+            sampling=Sampling(T, Lemma1Policy.WARN),
+            actuation=Actuation(a_min=-8.0, a_max=2.0),
+        )
     )
     moving = drive(controller, standing[-1], 120.0, lambda time: min(0.5 * time, 10.0))
     assert controller.now.faults == 0 and moving[-1].x > 800.0
