@@ -6,6 +6,7 @@ from .controller import BadMeasurement, Command, ControllerSettings, Measurement
 from .errors import ModelError, PspError
 from .law.controller import Controller, PaperLaw
 from .law.cooperation import Cooperation, Traffic
+from .law.extended import DrivenLeader, ExtendedLaw
 from .law.potential import BEST_FIXED, V_OLD, Potential, PotentialParameters
 from .membership import OpenPlatoon, Refusal
 from .parameters import Actuation, ObjectiveWeights, PlatoonParameters
@@ -51,7 +52,9 @@ __all__ = [
     "ControllerSettings",
     "Cooperation",
     "DelayedVehicles",
+    "DrivenLeader",
     "Errors",
+    "ExtendedLaw",
     "Fixed",
     "FromNetwork",
     "IdealPlant",

@@ -13,7 +13,9 @@ from psp_model import (
     Braking,
     Cooperation,
     DelayedVehicles,
+    DrivenLeader,
     Errors,
+    ExtendedLaw,
     PlatoonParameters,
     PlatoonState,
     RoadLaw,
@@ -38,6 +40,7 @@ COOPERATION = Cooperation(kappa=0.3, kappa_reach=25.0, time_gap=0.2, feedforward
 TRAFFIC = Traffic(np.array([0.0, 1.0, 1.0]), np.array([-0.5, 0.0, 0.0]), v_desired=29.0)
 ACTUATION = Actuation(0.03, 0.2)
 ROAD_LAW = RoadLaw(BEST_FIXED, CONSTANTS, COOPERATION, ACTUATION, oldest=0.05)
+EXTENDED_LAW = ExtendedLaw(BEST_FIXED, CONSTANTS, COOPERATION, DrivenLeader(29.0, -0.5), 0.02)
 SEEN = Seen(*PAIR, 0.02, np.array([0.0, 1.0, 1.0]), np.array([-0.5, 0.0, 0.0]))
 
 
@@ -105,6 +108,9 @@ ROAD_EXAMPLES: dict[str, Example] = {
     "Predicted": (lambda: remembered().predicted, itself),
     "Seen": (lambda: SEEN, lambda made: ROAD_LAW.sample(None, made)),
     "Remembered": (lambda: remembered(), lambda made: ROAD_LAW.sample(made, SEEN)),
+    "DrivenLeader": (lambda: EXTENDED_LAW.leader, itself),
+    "ExtendedLaw": (lambda: EXTENDED_LAW, lambda made: made.decide(made.decide(None, *PAIR)[0], *PAIR)),
+    "Engaged": (lambda: EXTENDED_LAW.decide(None, *PAIR)[0], lambda made: EXTENDED_LAW.decide(made, *PAIR)),
     "RoadLaw": (lambda: ROAD_LAW, lambda made: made.sample(remembered(), SEEN)),
     "RoadPlant": (lambda: road_plant(Actuation(0.033, np.array([0.0, 0.1, 0.3]), -8.0, 4.0)), driven_on),
     "RoadPlant, ideal": (lambda: road_plant(Actuation()), driven_on),

@@ -25,8 +25,18 @@ ALONE = "needs nothing but itself"
 NEEDS = "Needs nothing from outside.  sources/ holds the C sources; `fmpy compile` builds them for other platforms."
 _CAPABILITIES = ("canNotUseMemoryManagementFunctions", "canGetAndSetFMUstate", "canSerializeFMUstate")
 _HERE = Path(__file__).parent
-_OF_THE_LAW = ("choice.c", "feasible.c", "motion.c", "network.c", "parameters.c")
-_OWN_SOURCES = {  # what not all components have, by the name of the header that defines an instance
+_OF_THE_LAW = (
+    "choice.c",
+    "cooperation.c",
+    "cooperation.h",
+    "feasible.c",
+    "motion.c",
+    "network.c",
+    "parameters.c",
+    "slope.h",
+)
+_OF_ACTUATORS = ("actuation.c", "actuation.h")
+_OWN_SOURCES = {  # of each component, by the header that defines an instance; all have what is not listed
     "platoon_model.h": (
         *_OF_THE_LAW,
         "platoon.h",
@@ -42,13 +52,21 @@ _OWN_SOURCES = {  # what not all components have, by the name of the header that
     ),
     "controller_model.h": (
         *_OF_THE_LAW,
+        *_OF_ACTUATORS,
         "controller.h",
         "controller_backend.c",
         "controller_restore.c",
         "controller_sample.c",
         "controller_settings.c",
     ),
-    "plant_model.h": ("plant.h", "plant_backend.c", "plant_motion.c", "plant_restore.c", "plant_settings.c"),
+    "plant_model.h": (
+        *_OF_ACTUATORS,
+        "plant.h",
+        "plant_backend.c",
+        "plant_motion.c",
+        "plant_restore.c",
+        "plant_settings.c",
+    ),
     "leader_model.h": ("leader_backend.c",),
 }
 
@@ -88,8 +106,8 @@ class NativeFmu:
         ----------
         guid : of the FMU
         """
-        listed = {name for own in _OWN_SOURCES for name in (own, *_OWN_SOURCES[own])}
-        others = listed - {self.header, *_OWN_SOURCES[self.header]}
+        mine = {self.header, *_OWN_SOURCES[self.header]}  # several components may share a file
+        others = {name for own in _OWN_SOURCES for name in (own, *_OWN_SOURCES[own])} - mine
         found = {name: (SOURCES / name).read_bytes() for name in FRONT}
         found |= {p.name: p.read_bytes() for p in sorted((_HERE / "c").glob("*.[ch]")) if p.name not in others}
         generated = {

@@ -1,7 +1,6 @@
 /* The motion of the plant's vehicles: mirrors psp_model/vehicles/road_plant.py and psp_model/vehicles/ideal.py. */
 #include "plant.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "psp_kernels.h"
@@ -50,6 +49,5 @@ void plant_advance(Plant *plant, int64_t period, const double *a, const double *
 
 double plant_acceleration(const Plant *plant, int vehicle)
 {
-    const double a = plant->actuators.a[vehicle];
-    return plant->v[vehicle] > 0.0 || a > 0.0 ? a : 0.0;
+    return psp_unless_standing(plant->v[vehicle], plant->actuators.a[vehicle]);
 }
