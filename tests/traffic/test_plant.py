@@ -209,7 +209,8 @@ def test_bad_values_are_refused_in_the_same_words(python_plant_fmu, native_plant
         instance = Instance(fmu)
         for values in BAD:
             assert instance.initialise(values) == ERROR, values
-            assert next(iter(values)) in instance.messages[-1][1], instance.messages[-1]
+            name, sentence = next(iter(values)), instance.messages[-1][1]
+            assert name.replace("_start", "") in sentence.replace("_start", "")
             assert instance.call("fmi2Reset") == OK
         said.append(instance.messages)
         instance.close()
