@@ -177,6 +177,22 @@ def read_profile(path: Path, v_max: float = PlatoonParameters.v_max) -> Profile:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, ValueError) as error:
         raise ModelError("profile_file", path.name, getattr(error, "strerror", None) or "not UTF-8 text") from None
+    return profile_of(text, path.name, v_max)
+
+
+def profile_of(text: str, name: str = "profile", v_max: float = PlatoonParameters.v_max) -> Profile:
+    """A speed profile from the text of such a file.
+
+    Parameters
+    ----------
+    text : of the file
+    name : for messages
+    v_max : largest speed of the state space [m/s]
+
+    Raises
+    ------
+    ModelError : where it is not such a table
+    """
     lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1)]
     filled = [(number, line) for number, line in lines if line and not line.startswith("#")]
     rows = []
@@ -186,7 +202,7 @@ def read_profile(path: Path, v_max: float = PlatoonParameters.v_max) -> Profile:
         except ValueError:
             if place == 0:
                 continue  # the heading
-            raise ModelError("profile_line", number, path.name, line[:40]) from None
+            raise ModelError("profile_line", number, name, line[:40]) from None
         rows.append((time, speed))
-    found = Profile([time for time, _ in rows], [speed for _, speed in rows], path.name, v_max)
+    found = Profile([time for time, _ in rows], [speed for _, speed in rows], name, v_max)
     return replace(found, times=[time - found.times[0] for time in found.times])

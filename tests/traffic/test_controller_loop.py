@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from fmu_src.pack.ecosystem import write_cross_check
-from fmu_src.pack.ssp import SCENARIOS, parameters_of, write_loop
+from fmu_src.pack.loops import write_loop
+from fmu_src.pack.ssp import SCENARIOS, parameters_of
 from harness import ERROR, OK, random_start, starts
 from ssp_files import bound_parameters, steps_stated, system_files, valid_files
 
