@@ -76,6 +76,7 @@
 
 /* native FMUs */
 #define native_make_ready PSP_NAME(native_make_ready)
+#define native_size PSP_NAME(native_size)
 #define native_start_values PSP_NAME(native_start_values)
 #define part_initialise PSP_NAME(part_initialise)
 #define part_changed PSP_NAME(part_changed)

@@ -203,7 +203,7 @@ def unstopped(
     return then, moved, approached(a, command, gone)
 
 
-def approached(a: Array, command: Array, gone: Number) -> Array:
+def approached(a: Array, command: Number, gone: Number) -> Array:
     """The acceleration on its way to the command, once a share of the difference is gone (ours).
 
     Parameters

@@ -15,8 +15,9 @@ typedef enum { NO_LAG, ONE_LAG, LAGS } Lags;
 
 int64_t actuators_rows(double longest, double T)
 {
+    const double periods = ceil(longest / T * (1.0 - 1e-9)); /* as many as were meant before rounding */
     if (!(longest > 0.0)) return 0;
-    return longest / T <= PSP_QUEUE - 2 ? (int64_t)ceil(longest / T) + 2 : -1;
+    return periods <= PSP_QUEUE - 2 ? (int64_t)periods + 2 : -1;
 }
 
 void actuators_begin(Actuators *actuators, int64_t rows)
