@@ -5,6 +5,7 @@
 #include "plant.h"
 
 typedef Plant Part;
+#define PART_ACTUATORS actuators
 
 typedef Driving Scratch;
 
