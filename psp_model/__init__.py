@@ -6,6 +6,7 @@ from .controller import BadMeasurement, Command, ControllerSettings, Measurement
 from .errors import ModelError, PspError
 from .law.controller import Controller, PaperLaw
 from .law.cooperation import Cooperation, Traffic
+from .law.extended import DrivenLeader, ExtendedLaw
 from .law.potential import BEST_FIXED, V_OLD, Potential, PotentialParameters
 from .membership import OpenPlatoon, Refusal
 from .parameters import Actuation, ObjectiveWeights, PlatoonParameters
@@ -36,6 +37,7 @@ from .vehicles.delayed import DelayedVehicles
 from .vehicles.ideal import IdealPlant
 from .vehicles.leader import Profile, Wave, read_profile
 from .vehicles.road_law import RoadLaw, Seen
+from .vehicles.road_plant import RoadPlant
 
 __all__ = [
     "BEST_FIXED",
@@ -50,7 +52,9 @@ __all__ = [
     "ControllerSettings",
     "Cooperation",
     "DelayedVehicles",
+    "DrivenLeader",
     "Errors",
+    "ExtendedLaw",
     "Fixed",
     "FromNetwork",
     "IdealPlant",
@@ -73,6 +77,7 @@ __all__ = [
     "Refusal",
     "Request",
     "RoadLaw",
+    "RoadPlant",
     "Run",
     "Runs",
     "SampledController",

@@ -38,6 +38,8 @@ SENTENCES = {
     "length": "length[%d] = %.10g m must be positive: give vehicle %d a length above 0 m",
     "command_limits": "a_min[%d] = %.10g m/s2 must be negative and a_max[%d] = %.10g m/s2 positive: a vehicle has to "
     "be able to brake and to accelerate",
+    "dead_time": "actuation_delay = %.10g s must not exceed %d periods of T = %.10g s, as every command on its way is "
+    "remembered: lower actuation_delay or raise T",
     "older": "what is measured is %.10g s old, more than oldest = %.10g s, for which commands are remembered: raise "
     "oldest, or measure more often",
     "T": "T = %.10g s must be positive: it is the sampling period, give it a time above 0 s",
@@ -51,6 +53,8 @@ SENTENCES = {
     "shape": "%d spacings and %d speeds do not belong to one platoon: n vehicles have n - 1 spacings and n speeds",
     "gap": "spacing s[%d] = %.10g m must exceed L = %.10g m: start the vehicles further apart or lower L",
     "gap_order": "spacing s[%d] = %.10g m must be above 0 m: start vehicle %d behind vehicle %d",
+    "gap_length": "spacing s[%d] = %.10g m must exceed the length of vehicle %d, %.10g m: start the vehicles further "
+    "apart, or correct that length",
     "speed": "speed v[%d] = %.10g m/s must lie in [0, %.10g] m/s: start vehicle %d no faster than v_max, or raise "
     "v_max",
     "speed_backwards": "speed v[%d] = %.10g m/s must lie in [0, %.10g] m/s: start vehicle %d at 0 m/s or more",
@@ -62,6 +66,15 @@ SENTENCES = {
     "lemma1_slow": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1), as vehicle %d, at v[%d] = "
     "%.10g m/s with a[%d] = %.10g m/s2, would come to a stop, %.10g m/s, within T: choose T < %.10g s, or "
     "lemma1_policy 3",
+    "lemma1_length": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1), as vehicle %d could close its "
+    "spacing s[%d] = %.10g m to the length of the vehicle ahead, %.10g m, at v_max = %.10g m/s within T: choose T < "
+    "%.10g s, or lemma1_policy 3",
+    "exact_gap": "T = %.10g s is not below T_exact = %.10g s at t = %.10g s, as vehicle %d would close its spacing "
+    "s[%d] = %.10g m to %.10g m within T: choose T < %.10g s, or lemma1_policy 3",
+    "exact_fast": "T = %.10g s is not below T_exact = %.10g s at t = %.10g s, as vehicle %d, at v[%d] = %.10g m/s with "
+    "a[%d] = %.10g m/s2, would reach v_max = %.10g m/s within T: choose T < %.10g s, or lemma1_policy 3",
+    "exact_slow": "T = %.10g s is not below T_exact = %.10g s at t = %.10g s, as vehicle %d, at v[%d] = %.10g m/s with "
+    "a[%d] = %.10g m/s2, would come to a stop, %.10g m/s, within T: choose T < %.10g s, or lemma1_policy 3",
     "choice": "%s = %d must lie in %d to %d: choose one of these whole numbers",
     "count": "%s = %d must be at least 1: choose a larger whole number",
     "horizon": "rollout_horizon = %.10g s must be positive and finite: give it a time above 0 s",
@@ -81,6 +94,8 @@ SENTENCES = {
     "fallback": "the initial state has %s: alpha = %.10g, r = %.10g m, p = %.10g are used instead of the network's",
     "left_gap": "spacing s[%d] = %.10g m has fallen to L = %.10g m at t = %.10g s, where the model ends: choose a "
     "smaller T, or lemma1_policy 3",
+    "left_length": "spacing s[%d] = %.10g m has fallen to the length of the vehicle ahead, %.10g m, at t = %.10g s, "
+    "where vehicles touch: choose a smaller T, or lemma1_policy 3",
     "networks": "%s holds no networks, although this project brings some: install it anew, or put the folder back",
     "onnxruntime": "the Python %s cannot import onnxruntime (%s): run %s -m pip install onnxruntime, or use "
     "parameter_source 2, or the native FMU",
@@ -141,6 +156,23 @@ SENTENCES = {
     "insert_none": "a vehicle cannot join at place %d with a spacing of %.10g m at %.10g m/s, where T = %.10g s "
     "would not be below T_max (Lemma 1): no spacing would be accepted there now, let it join at another place, speed "
     "or time",
+    "insert_length": "the joining vehicle's length %.10g m must be a finite number, not below 0 m: give it its length, "
+    "or 0 m for L",
+    "insert_gap_exact": "a vehicle cannot join at place %d with a spacing of %.10g m at %.10g m/s, where T = %.10g s "
+    "would not be below T_exact: a spacing of %.10g m would be accepted",
+    "insert_none_exact": "a vehicle cannot join at place %d with a spacing of %.10g m at %.10g m/s, where T = %.10g s "
+    "would not be below T_exact: no spacing would be accepted there now, let it join at another place, speed or time",
+    "insert_gap_margin": "a vehicle cannot join at place %d with a spacing of %.10g m at %.10g m/s, where the brake "
+    "margin would be below join_brake_margin = %.10g m/s2: a spacing of %.10g m would be accepted",
+    "insert_none_margin": "a vehicle cannot join at place %d with a spacing of %.10g m at %.10g m/s, where the brake "
+    "margin would be below join_brake_margin = %.10g m/s2: no spacing would be accepted there now, let it join at "
+    "another place, speed or time",
+    "join_brake_margin": "join_brake_margin = %.10g m/s2 must lie in [0, %.10g] m/s2: it is the brake margin that "
+    "joining asks for, give it 0 m/s2 to ask for none",
+    "join_a_min": "join_a_min = %.10g m/s2 must be negative: it is what vehicles can brake with, give it a value below "
+    "0 m/s2",
+    "leader_speed": "leader_speed = %.10g m/s must lie in [0, %.10g] m/s: set it to a speed from 0 m/s to v_max, or "
+    "raise v_max",
     "wave": "v_low = %.10g m/s must not exceed v_high = %.10g m/s: raise v_high or lower v_low",
     "wave_backwards": "v_low = %.10g m/s must not be negative: give it a speed of 0 m/s or more",
     "wave_period": "period = %.10g s must be positive: give the wave a time above 0 s",
@@ -157,6 +189,8 @@ SENTENCES = {
     "longer T",
     "short_periods": "more than max_short_periods = %d short sampling periods in one communication step, at t = "
     "%.10g s with T_max = %.10g s: raise max_short_periods, take shorter communication steps, or start further from L",
+    "short_periods_exact": "more than max_short_periods = %d short sampling periods in one communication step, at t = "
+    "%.10g s with T_exact = %.10g s: raise max_short_periods, take shorter communication steps, or start further apart",
 }
 
 SEPARATOR = ": "

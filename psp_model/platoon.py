@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from .callbacks import Warns, silent
 from .errors import ModelError
 from .law.controller import Controller, MakeController, Memory, PaperLaw
+from .law.cooperation import PAPERS_LAW
 from .law.potential import Potential
 from .parameters import ObjectiveWeights, PlatoonParameters
 from .sampling.hold import IDEAL, Moving, Plant, Vehicles
@@ -23,14 +24,15 @@ from .sampling.loop import (
     Verdict,
     after,
     begin,
+    redecide,
     refusal,
     resample,
     step,
     with_potential,
 )
-from .sampling.policy import Lemma1Policy, Sampling
+from .sampling.policy import Certificate, Lemma1Policy, Sampling
 from .state import PlatoonState, read_only
-from .validate import validate
+from .validate import validate, validate_start
 
 
 class Observation(NamedTuple):
@@ -68,7 +70,8 @@ def loop_of(
     law: object = PaperLaw(shape, constants) if controller is None else controller(shape, constants)
     # the loop hands controller and plant what they have returned, and nothing else: it need not know those types
     driven = cast(Plant[Moving], IDEAL if plant is None else plant)
-    return Loop(cast(Controller[object], law), weights, sampling.T, driven, shorten)
+    made, exact = cast(Controller[object], law), sampling.certificate == Certificate.EXACT
+    return Loop(made, weights, sampling.T, driven, shorten, exact, hasattr(law, "decide_after"))
 
 
 @dataclass(eq=False)
@@ -123,8 +126,9 @@ class SampledPlatoon(Warns):
         ModelError : where a value is outside the model's domain, or the first instant not certified under policy 1
         """
         weights, sampling = validate(weights or ObjectiveWeights()), validate(sampling or Sampling())
-        validate(start), validate(shape)
+        validate(start if controller is None else start.constants), validate(shape)
         loop = loop_of(shape, start.constants, weights, sampling, controller, plant)
+        validate_start(start, getattr(loop.controller, "cooperation", PAPERS_LAW))
         now, verdict = begin(loop, start.x_leader, start.s, start.v)
         platoon = cls(loop, sampling, now, warn)
         platoon._act(None, now, verdict)
@@ -156,12 +160,21 @@ class SampledPlatoon(Warns):
             return
         if verdict is Verdict.OUTSIDE or self.sampling.policy == Lemma1Policy.ERROR:
             raise refusal(self.loop, now, verdict)
-        begins = before is None or now.violations == 1 or before.T_max > self.loop.T
+        begins = before is None or now.violations == 1 or before.bound > self.loop.T
         if self.sampling.policy == Lemma1Policy.WARN and begins:
             self.warn(str(refusal(self.loop, now, verdict)))
 
     def take_over(
-        self, period: int, fraction: float, x: float, s: ArrayLike, v: ArrayLike, shape: Potential
+        self,
+        period: int,
+        fraction: float,
+        x: float,
+        s: ArrayLike,
+        v: ArrayLike,
+        shape: Potential,
+        *,
+        loop: Loop | None = None,
+        memory: object = None,
     ) -> SampledPlatoon:
         """The platoon sampled once more, between or at the clock's instants, with other vehicles and potential (ours).
 
@@ -170,6 +183,8 @@ class SampledPlatoon(Warns):
         period, fraction : the time, between the last sampling instant and the next
         x, s, v : position of the leader [m], spacings (m-1,) [m] and speeds (m,) [m/s] of the vehicles from here on
         shape : the potential from here on
+        loop : what it is made of from here on, but for the potential; as it was by default
+        memory : what the controller remembers of these vehicles
 
         Returns
         -------
@@ -179,11 +194,27 @@ class SampledPlatoon(Warns):
         ------
         ModelError : as `advance_to` does
         """
-        loop = with_potential(self.loop, shape)
-        now, verdict = resample(loop, self.now, (period, fraction), (x, read_only(s), read_only(v)))
+        loop = with_potential(loop or self.loop, shape)
+        now, verdict = resample(loop, self.now, (period, fraction), (x, read_only(s), read_only(v)), memory)
         changed = SampledPlatoon(loop, self.sampling, now, self.warn)
         changed._act(self.now, now, verdict)
         return changed
+
+    def redecide(self, loop: Loop) -> None:
+        """Decide anew at the last sampling instant, because what the controller is told has changed (ours).
+
+        Parameters
+        ----------
+        loop : what the platoon is made of from here on
+
+        Raises
+        ------
+        ModelError : as `advance_to` does
+        """
+        before = self.now
+        self.loop = loop
+        self.now, verdict = redecide(loop, before)
+        self._act(before, self.now, verdict)
 
     def advance_to(self, period: int, fraction: float) -> None:
         """Pass all sampling instants up to and including a time.
@@ -204,7 +235,8 @@ class SampledPlatoon(Warns):
                 short += 1
                 if short > self.sampling.max_short_periods or now.span <= SHORTEST:
                     time = (now.period + now.fraction) * self.loop.T
-                    raise ModelError("short_periods", self.sampling.max_short_periods, time, now.T_max)
+                    key = "short_periods_exact" if self.loop.exact else "short_periods"
+                    raise ModelError(key, self.sampling.max_short_periods, time, now.bound)
             self.now, verdict = step(self.loop, now)
             if verdict is not Verdict.CERTIFIED:
                 self._act(now, self.now, verdict)

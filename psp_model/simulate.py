@@ -10,6 +10,7 @@ import numpy as np
 from .chosen import Word, potential_for
 from .errors import ModelError
 from .law.controller import MakeController, Memory
+from .law.cooperation import PAPERS_LAW, Cooperation
 from .law.potential import Potential
 from .objective import HORIZON
 from .parameters import ObjectiveWeights
@@ -20,7 +21,9 @@ from .sampling.hold import Plant, Vehicles
 from .sampling.policy import Sampling
 from .selection.selectors import Selector
 from .state import Start, as_state, read_only
-from .validate import validate
+from .validate import validate, validate_start
+
+POINTS = Cooperation(length=0.0)  # the controller knows lengths, and is made later
 
 
 def simulate(
@@ -63,7 +66,8 @@ def simulate(
         raise ModelError("duration", duration)
     if not 0 < step < inf:
         raise ModelError("output_step", step)
-    start = validate(as_state(start))
+    start = as_state(start)
+    validate_start(start, PAPERS_LAW if controller is None else POINTS)
     in_use, warning = potential_for(start, potential, weights, sampling)
     warnings = [] if warning is None else [warning]
     platoon = SampledPlatoon.begin(

@@ -12,6 +12,7 @@ from math import isfinite
 from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .errors import ModelError
 from .law.cooperation import Cooperation
@@ -61,6 +62,27 @@ def validate_law(cooperation: Cooperation, constants: PlatoonParameters) -> None
     reach = cooperation.kappa_reach
     if cooperation.kappa > 0:
         _require(bool(reach > constants.L), "reach", "kappa_reach", reach, "L", constants.L)
+
+
+def validate_start(state: PlatoonState, cooperation: Cooperation) -> PlatoonState:
+    """Check an initial state of vehicles with lengths: no two may touch (ours).
+
+    Parameters
+    ----------
+    state : with its constants
+    cooperation : with the lengths
+
+    Returns
+    -------
+    the state
+
+    Raises
+    ------
+    ModelError : where a value is not finite or not in the state space, naming it
+    """
+    length = cooperation.length
+    _check_start(state, None if length is None else np.broadcast_to(np.asarray(length, dtype=float), state.v.shape))
+    return state
 
 
 @singledispatch
@@ -155,13 +177,20 @@ def _(sampling: Sampling) -> None:
 
 @_check.register
 def _(state: PlatoonState) -> None:
+    _check_start(state, None)
+
+
+def _check_start(state: PlatoonState, lengths: NDArray[np.float64] | None) -> None:
     s, v, constants = state.s, state.v, validate(state.constants)
     _require(s.ndim == 1 and v.ndim == 1 and s.size == v.size - 1, "shape", s.size, v.size)
     _require(isfinite(state.x_leader), "finite", "x_start", state.x_leader, "m")
     for i, spacing in enumerate(s.tolist(), start=2):
         _require(isfinite(spacing), "finite", f"s_start[{i}]", spacing, "m")
         _require(spacing > 0, "gap_order", i, spacing, i, i - 1)
-        _require(spacing > constants.L, "gap", i, spacing, constants.L)
+        if lengths is None or lengths[i - 2] == constants.L:
+            _require(spacing > constants.L, "gap", i, spacing, constants.L)
+        else:
+            _require(bool(spacing > lengths[i - 2]), "gap_length", i, spacing, i - 1, lengths[i - 2])
     for i, speed in enumerate(v.tolist(), start=1):
         _require(isfinite(speed), "finite", f"v_start[{i}]", speed, "m/s")
         _require(speed >= 0, "speed_backwards", i, speed, constants.v_max, i)

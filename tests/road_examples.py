@@ -13,9 +13,13 @@ from psp_model import (
     Braking,
     Cooperation,
     DelayedVehicles,
+    DrivenLeader,
     Errors,
+    ExtendedLaw,
     PlatoonParameters,
+    PlatoonState,
     RoadLaw,
+    RoadPlant,
     Seen,
     Traffic,
     brake_margin,
@@ -36,6 +40,7 @@ COOPERATION = Cooperation(kappa=0.3, kappa_reach=25.0, time_gap=0.2, feedforward
 TRAFFIC = Traffic(np.array([0.0, 1.0, 1.0]), np.array([-0.5, 0.0, 0.0]), v_desired=29.0)
 ACTUATION = Actuation(0.03, 0.2)
 ROAD_LAW = RoadLaw(BEST_FIXED, CONSTANTS, COOPERATION, ACTUATION, oldest=0.05)
+EXTENDED_LAW = ExtendedLaw(BEST_FIXED, CONSTANTS, COOPERATION, DrivenLeader(29.0, -0.5), 0.02)
 SEEN = Seen(*PAIR, 0.02, np.array([0.0, 1.0, 1.0]), np.array([-0.5, 0.0, 0.0]))
 
 
@@ -54,6 +59,20 @@ def delayed() -> Any:
     """Vehicles with commands on their way."""
     made = DelayedVehicles(ACTUATION)
     return made.advance(made.begin(3.0, *PAIR), np.array([1.0, 0.0, -2.0]), 0.01)[0]
+
+
+def road_plant(actuation: Actuation) -> RoadPlant:
+    """Vehicles of several lengths on their way, the first of which drives itself."""
+    made = RoadPlant.begin(PlatoonState(*PAIR, x_leader=3.0), 0.01, actuation, [5.0, 12.0, 4.5])
+    return made.advanced_to(3, np.array([1.0, 0.5, -2.0]), [0.0, 1.0, 1.0])
+
+
+def driven_on(made: RoadPlant) -> list[Any]:
+    """What a plant does with further commands, and what is seen of it."""
+    made = made.advanced_to(made.period + 2, np.array([-1.0, 2.0, 0.0])).advanced_to(
+        made.period + 400, np.full(3, -9.0)
+    )
+    return [made.now, made.period, made.positions(), made.clearances(), made.accelerations()]
 
 
 def remembered() -> Remembered:
@@ -89,7 +108,12 @@ ROAD_EXAMPLES: dict[str, Example] = {
     "Predicted": (lambda: remembered().predicted, itself),
     "Seen": (lambda: SEEN, lambda made: ROAD_LAW.sample(None, made)),
     "Remembered": (lambda: remembered(), lambda made: ROAD_LAW.sample(made, SEEN)),
+    "DrivenLeader": (lambda: EXTENDED_LAW.leader, itself),
+    "ExtendedLaw": (lambda: EXTENDED_LAW, lambda made: made.decide(made.decide(None, *PAIR)[0], *PAIR)),
+    "Engaged": (lambda: EXTENDED_LAW.decide(None, *PAIR)[0], lambda made: EXTENDED_LAW.decide(made, *PAIR)),
     "RoadLaw": (lambda: ROAD_LAW, lambda made: made.sample(remembered(), SEEN)),
+    "RoadPlant": (lambda: road_plant(Actuation(0.033, np.array([0.0, 0.1, 0.3]), -8.0, 4.0)), driven_on),
+    "RoadPlant, ideal": (lambda: road_plant(Actuation()), driven_on),
     "Sensing": (lambda: Sensing(1, 0.1, 0.05, seed=3), lambda made: road_run(made, 3)),
     "RoadRun": (lambda: road_run(Sensing(), 2), lambda made: (made.touched, made.gain(2, 0), made)),
 }

@@ -6,6 +6,17 @@ from typing import Any
 
 import casadi
 
+from psp_model.law.cooperation import (
+    Cooperation,
+    Traffic,
+    clearances,
+    closing_speeds,
+    contact_spacing,
+    desired,
+    feed_forward,
+    model_spacing,
+    viscosity,
+)
 from psp_model.law.feedback import command, command_towards
 from psp_model.law.potential import PotentialParameters, on_hill, potential_slope
 from psp_model.objective import acceleration_cost, gap_cost
@@ -13,8 +24,10 @@ from psp_model.parameters import ObjectiveWeights, PlatoonParameters, generic
 from psp_model.sampling.hold import advance, gaps_after, travelled
 from psp_model.sampling.lemma1 import period_bounds
 from psp_model.selection.feasible import cell_bound
+from psp_model.vehicles.leader import between, held_for, on_line
 
 from .scalar_c import Symbols, c_function
+from .vehicle_kernels import actuation_kernels
 
 _HEAD = """/* From psp_model by way of CasADi; fmu_src/native/kernels.py wrote it. */
 #ifndef PSP_KERNELS_H
@@ -71,6 +84,27 @@ def _feedback_kernels() -> str:
     )
 
 
+def _cooperation_kernels() -> str:
+    """The terms of the extended law, from platoons of two vehicles or of one."""
+    s, v, v_front, length, time_gap, L, v_max = _symbols("s v v_front length time_gap L v_max")
+    kappa, kappa_reach, speed, begins, ends = _symbols("kappa kappa_reach closing_speed closing_spacing closing_reach")
+    share, wanted, closing, rate = _symbols("feedforward v_desired closing a_desired")
+    constants, pair = generic(PlatoonParameters, L=L, v_max=v_max), casadi.vertcat(v_front, v)
+    lengths = casadi.vertcat(length, length)
+    one = generic(Cooperation, length=lengths, time_gap=time_gap, kappa=kappa, kappa_reach=kappa_reach)
+    closes = generic(Cooperation, closing_speed=speed, closing_spacing=begins, closing_reach=ends)
+    faster = generic(Traffic, v_desired=wanted, closing=closing)
+    return (
+        c_function("contact_spacing", [s, length, L], [contact_spacing(s, one, constants)])
+        + c_function("clearance", [s, length, L], [clearances(s, one, constants)])
+        + c_function("model_spacing", [s, v, length, time_gap, L], [model_spacing(s, pair, one, constants)])
+        + c_function("drag", [s, v_front, v, kappa, kappa_reach, L], [viscosity(s, pair, one, constants)[1]])
+        + c_function("closing_share", [s, speed, begins, ends], [closing_speeds(s, closes)[1]])
+        + c_function("closing_up", [wanted, closing, v_max], [desired(v, faster, one, constants)[0]])
+        + c_function("feed_forward", [v, rate, share, v_max], [feed_forward(v, rate, share, constants)])
+    )
+
+
 def _motion_kernels() -> str:
     s, moved_front, moved, v, a, tau = _symbols("s moved_front moved v a tau")
     gap = gaps_after(s, casadi.vertcat(moved_front, moved))
@@ -86,11 +120,30 @@ def _motion_kernels() -> str:
     )
 
 
+def _leader_kernels() -> str:
+    high, low, cosine = of_wave = _symbols("high low cosine")
+    now, later, T = of_speeds = _symbols("now later T")
+    of_line = _symbols("time begin end first last")
+    return (
+        c_function("between", of_wave, [between(high, low, cosine)])
+        + c_function("on_line", of_line, [on_line(*of_line)])
+        + c_function("held_for", of_speeds, [held_for(now, later, T)])
+    )
+
+
 def kernels_header() -> str:
-    """psp_kernels.h: potential, feedback, Lemma 1, motion and objective of single spacings and vehicles.
+    """psp_kernels.h: potential, law, Lemma 1, motion, objective and actuators of single spacings and vehicles.
 
     Returns
     -------
     C source; the same for the same model and CasADi version
     """
-    return _HEAD + _potential_kernels() + _feedback_kernels() + _motion_kernels() + "\n#endif\n"
+    parts = (
+        _potential_kernels(),
+        _feedback_kernels(),
+        _cooperation_kernels(),
+        _motion_kernels(),
+        actuation_kernels(),
+        _leader_kernels(),
+    )
+    return _HEAD + "".join(parts) + "\n#endif\n"

@@ -44,6 +44,26 @@ class Controller(Protocol[Memory]):
         """
 
 
+class TimedController(Controller[Memory], Protocol):
+    """A controller that is told when it decides (ours)."""
+
+    def decide_after(
+        self, memory: Memory | None, s: Array, v: Array, since: float, nominal: bool
+    ) -> tuple[Memory, Array]:
+        """The commands for vehicles at these spacings and speeds; with the same memory and `since` 0 the same again.
+
+        Parameters
+        ----------
+        memory, s, v : as for `decide`
+        since : time since the call that returned the memory [s]
+        nominal : whether this is one of the clock's instants, or one between them
+
+        Returns
+        -------
+        as `decide`
+        """
+
+
 @dataclass(frozen=True)
 class PaperLaw:
     """F_i = -k_i (v_i - v*) + u_i (paper, eq. 2); see `feedback`.

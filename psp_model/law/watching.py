@@ -39,7 +39,23 @@ def watch(before: Watched | None, v: Array, wanted: Array, T: float) -> Watched:
     if before is None:
         return Watched(v, 0.0 * v, 0.0 * v)
     estimate = before.a + (1.0 - exp(-T / ESTIMATE_TIME)) * ((v - before.v) / T - before.a)
-    return Watched(v, estimate, before.closing + (1.0 - exp(-T / CLOSING_TIME)) * (wanted - before.closing))
+    return Watched(v, estimate, engaged(before.closing, wanted, T))
+
+
+def engaged(before: Array, wanted: Array, T: float) -> Array:
+    """What closing up adds to the desired speeds, a time later (ours).
+
+    Parameters
+    ----------
+    before : (n, ...) what it added [m/s]
+    wanted : (n, ...) what it would add if it were engaged at once, from `closing_speeds` [m/s]
+    T : that time [s]
+
+    Returns
+    -------
+    (n, ...) array [m/s]
+    """
+    return before + (1.0 - exp(-T / CLOSING_TIME)) * (wanted - before)
 
 
 def accelerations(watched: Watched, measured: Array | None, known: Array | None) -> Array:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..errors import ModelError
 from ..namespaces import Array, array_namespace, smallest
 from ..parameters import PlatoonParameters
 from .hold import relative
-from .lemma1 import period_bounds
+from .lemma1 import narrowest, of_commanded, period_bounds, speed_violation
 
 
 def first_contact(c: Array, b: Array, a: Array) -> Array:
@@ -37,7 +38,22 @@ def first_contact(c: Array, b: Array, a: Array) -> Array:
     return xp.where(D < 0.0, np.inf, found)
 
 
-def exact_period(s: Array, v: Array, a: Array, constants: PlatoonParameters) -> Array:
+def exact_bounds(s: Array, v: Array, a: Array, constants: PlatoonParameters) -> tuple[Array, Array]:
+    """When, under the accelerations held, each spacing first falls to L and each speed leaves its bounds (ours).
+
+    Parameters
+    ----------
+    s, v, a, constants : as for `exact_period`
+
+    Returns
+    -------
+    of_spacings, of_speeds : (n-1, ...) and (n, ...) arrays [s]; the latter are Lemma 1's own
+    """
+    _, of_speeds = period_bounds(s, v, a, constants)
+    return first_contact(s - constants.L, relative(v), relative(a)), of_speeds
+
+
+def exact_period(s: Array, v: Array, a: Array, constants: PlatoonParameters, automated: Array | None = None) -> Array:
     """T_exact: when, under the accelerations held, a spacing first falls to L or a speed leaves its bounds.
 
     It takes all commands; Lemma 1 bounds each vehicle for any commands of its neighbours (ours).  The
@@ -49,11 +65,40 @@ def exact_period(s: Array, v: Array, a: Array, constants: PlatoonParameters) -> 
     v : (n, ...) array, speeds [m/s], in [0, v_max]
     a : (n, ...) array, accelerations about to be held [m/s2]
     constants : of the model
+    automated : (n, ...) array, 0 for a vehicle that drives itself, whose own speed sets no bound; None for none
 
     Returns
     -------
     (...) array [s]; a sampling period T is certified at this instant iff T < T_exact
     """
-    _, of_speeds = period_bounds(s, v, a, constants)
-    of_spacings = first_contact(s - constants.L, relative(v), relative(a))
-    return smallest(array_namespace(of_speeds).concat([of_spacings, of_speeds]))
+    of_spacings, of_speeds = exact_bounds(s, v, a, constants)
+    return smallest(array_namespace(of_speeds).concat([of_spacings, of_commanded(of_speeds, automated)]))
+
+
+def exact_violation(
+    t: float,
+    T: float,
+    s: Array,
+    v: Array,
+    a: Array,
+    constants: PlatoonParameters,
+    ahead: Array | None = None,
+    automated: Array | None = None,
+) -> ModelError:
+    """The error that says which vehicle sets the exact period, with its values, bound and remedy (ours).
+
+    Parameters
+    ----------
+    t, T, s, v, a, constants, ahead, automated : as for `lemma1.violation`
+
+    Returns
+    -------
+    ModelError, to be raised or logged
+    """
+    room = s if ahead is None else s - (ahead - constants.L)
+    of_spacings, of_speeds = exact_bounds(room, v, a, constants)
+    i, j = narrowest(of_spacings, of_commanded(of_speeds, automated))
+    if i < 0:
+        return speed_violation("exact", t, T, j, v, a, constants, of_speeds[j])
+    least, bound = constants.L if ahead is None else ahead[i], of_spacings[i]
+    return ModelError("exact_gap", T, bound, t, i + 2, i + 2, s[i], least, bound)

@@ -8,19 +8,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ModelError
-from ..law.controller import Controller
+from ..law.controller import Controller, TimedController
 from ..law.potential import Potential
 from ..parameters import ObjectiveWeights
 from ..state import read_only, seal
+from .exact import exact_period, exact_violation
 from .hold import DoubleIntegrators, Moving, Plant
 from .lemma1 import violation
-from .period import decide, hold
+from .period import automated, hold, lemma1_period, room
 
 Vector = NDArray[np.float64]
 Cost = tuple[float, float]
@@ -29,11 +30,11 @@ SHORTEST = 2.0**-60  # [sampling periods] no period is cut further than this
 
 
 class Verdict(Enum):
-    """What Lemma 1 says of a sampling instant."""
+    """What the chosen certificate says of a sampling instant."""
 
     CERTIFIED = 1
     NOT_CERTIFIED = 2
-    OUTSIDE = 3  # a spacing has fallen to L, where the law is not defined
+    OUTSIDE = 3  # vehicles touch, where the law is not defined
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,8 @@ class Loop:
     T : sampling period [s]
     plant : what is driven
     shorten : whether a period that is not certified is cut in halves until it is
+    exact : whether the exact period certifies T, instead of Lemma 1
+    timed : whether the controller is told when it decides (`TimedController`)
     """
 
     controller: Controller[object]
@@ -54,6 +57,8 @@ class Loop:
     T: float
     plant: Plant[Moving]
     shorten: bool = False
+    exact: bool = False
+    timed: bool = False
 
 
 class Instant(NamedTuple):
@@ -69,9 +74,10 @@ class Instant(NamedTuple):
     a : (n,) accelerations held from here on [m/s2]
     T_max : Lemma 1's bound [s]
     span : how long a is held [sampling periods]
-    violations : sampling instants so far at which T >= T_max
+    violations : sampling instants so far at which T was not certified
     cost : the two terms of J so far, of acceleration and of spacings
     memory : what the controller remembers
+    T_exact : the exact period [s], None where Lemma 1 certifies
     """
 
     period: int
@@ -83,6 +89,12 @@ class Instant(NamedTuple):
     violations: int
     cost: Cost
     memory: object = None
+    T_exact: float | None = None
+
+    @property
+    def bound(self) -> float:
+        """What T has to be below, by the chosen certificate [s]."""
+        return self.T_max if self.T_exact is None else self.T_exact
 
     @property
     def x(self) -> float:
@@ -114,7 +126,7 @@ def begin(loop: Loop, x: float, s: Vector, v: Vector) -> tuple[Instant, Verdict]
     loop : what it is made of
     x, s, v : position of the leader [m], (n-1,) spacings [m], all above L, and (n,) speeds [m/s]
     """
-    return _sampled(loop, (0, 0.0), loop.plant.begin(x, read_only(s), read_only(v)), None, 0, (0.0, 0.0))
+    return _sampled(loop, (0, 0.0), loop.plant.begin(x, read_only(s), read_only(v)), None, 0, (0.0, 0.0), 0.0)
 
 
 def step(loop: Loop, now: Instant) -> tuple[Instant, Verdict]:
@@ -127,17 +139,19 @@ def step(loop: Loop, now: Instant) -> tuple[Instant, Verdict]:
 
     Returns
     -------
-    the instant and what Lemma 1 says of it; with OUTSIDE its accelerations and T_max are still those of `now`
+    the instant and what the certificate says of it; with OUTSIDE its accelerations and T_max are still those of `now`
     """
-    vehicles, cost = after(loop, now, now.span * loop.T)
-    may_leave = now.violations > 0 or not isinstance(loop.plant, DoubleIntegrators)  # else Lemma 1 keeps all inside
+    tau = now.span * loop.T
+    vehicles, cost = after(loop, now, tau)
+    # Lemma 1 keeps ideal vehicles inside; the exact period may be met so closely that rounding does not
+    may_leave = now.violations > 0 or loop.exact or not isinstance(loop.plant, DoubleIntegrators)
     if may_leave and _is_outside(loop, vehicles):
         return _outside(now, now.ends, vehicles, cost)
-    return _sampled(loop, now.ends, vehicles, now.memory, now.violations, cost)
+    return _sampled(loop, now.ends, vehicles, now.memory, now.violations, cost, tau)
 
 
 def resample(
-    loop: Loop, now: Instant, at: tuple[int, float], motion: tuple[float, Vector, Vector]
+    loop: Loop, now: Instant, at: tuple[int, float], motion: tuple[float, Vector, Vector], memory: object = None
 ) -> tuple[Instant, Verdict]:
     """Sample once more, between or at the clock's instants, because the vehicles or the potential have changed (ours).
 
@@ -147,20 +161,33 @@ def resample(
     now : the last sampling instant; its weights and its T were those of `loop`
     at : the time, between `now` and the next instant, as period and fraction
     motion : position of the leader [m], (m-1,) spacings [m] and (m,) speeds [m/s] from here on, m >= 1
+    memory : what the controller remembered at `now`, of these vehicles
 
     Returns
     -------
-    the instant and what Lemma 1 says of it, as `step` does; where it is at the time of `now`, the verdict on `now` no
-    longer counts
+    the instant and what the certificate says of it, as `step` does; where it is at the time of `now`, the verdict on
+    `now` no longer counts
     """
     tau = (at[0] - now.period + (at[1] - now.fraction)) * loop.T
     cost = now.cost if tau == 0.0 else after(loop, now, tau)[1]
     again = at == (now.period, now.fraction)
-    violations, (x, s, v) = now.violations - (again and now.T_max <= loop.T), motion
+    violations, (x, s, v) = now.violations - (again and now.bound <= loop.T), motion
     vehicles = loop.plant.begin(x, read_only(s), read_only(v))
     if _is_outside(loop, vehicles):
         return _outside(now, at, vehicles, cost)
-    return _sampled(loop, at, vehicles, None, violations, cost)
+    return _sampled(loop, at, vehicles, memory, violations, cost, tau)
+
+
+def redecide(loop: Loop, now: Instant) -> tuple[Instant, Verdict]:
+    """Sample once more at the time of the last instant, because what the controller is told has changed (ours).
+
+    Parameters
+    ----------
+    loop : what it is made of from here on
+    now : the last sampling instant, whose verdict no longer counts
+    """
+    violations = now.violations - (now.bound <= loop.T)
+    return _sampled(loop, (now.period, now.fraction), now.vehicles, now.memory, violations, now.cost, 0.0)
 
 
 def after(loop: Loop, now: Instant, tau: float) -> tuple[Moving, Cost]:
@@ -184,10 +211,14 @@ def refusal(loop: Loop, now: Instant, verdict: Verdict) -> ModelError:
     verdict : NOT_CERTIFIED or OUTSIDE
     """
     constants, time = loop.controller.constants, (now.period + now.fraction) * loop.T
+    length = getattr(getattr(loop.controller, "cooperation", None), "length", None)
+    ahead = None if length is None else np.broadcast_to(length, now.v.shape)[:-1]
     if verdict is Verdict.OUTSIDE:
-        i = int(np.argmin(now.s))
-        return ModelError("left_gap", i + 2, now.s[i], constants.L, time)
-    return violation(time, loop.T, now.s, now.v, now.a, constants)
+        i = int(np.argmin(room(loop.controller, now.s)))
+        least = constants.L if ahead is None else ahead[i]
+        return ModelError("left_gap" if least == constants.L else "left_length", i + 2, now.s[i], least, time)
+    say = exact_violation if loop.exact else violation
+    return say(time, loop.T, now.s, now.v, now.a, constants, ahead, automated(loop.controller, now.a))
 
 
 def with_potential(loop: Loop, potential: Potential) -> Loop:
@@ -202,9 +233,9 @@ def with_potential(loop: Loop, potential: Potential) -> Loop:
 
 
 def _is_outside(loop: Loop, vehicles: Moving) -> bool:
-    """Whether a spacing has fallen to L; ideal vehicles cannot where periods are cut until they are certified."""
-    kept = loop.shorten and isinstance(loop.plant, DoubleIntegrators)
-    return not kept and not (vehicles.s > loop.controller.constants.L).all()
+    """Whether vehicles touch; ideal ones cannot where periods are cut until Lemma 1 certifies them."""
+    kept = loop.shorten and not loop.exact and isinstance(loop.plant, DoubleIntegrators)
+    return not kept and not (room(loop.controller, vehicles.s) > loop.controller.constants.L).all()
 
 
 def _outside(now: Instant, at: tuple[int, float], vehicles: Moving, cost: Cost) -> tuple[Instant, Verdict]:
@@ -214,17 +245,46 @@ def _outside(now: Instant, at: tuple[int, float], vehicles: Moving, cost: Cost) 
 
 
 def _sampled(
-    loop: Loop, at: tuple[int, float], vehicles: Moving, memory: object, violations: int, cost: Cost
+    loop: Loop, at: tuple[int, float], vehicles: Moving, memory: object, violations: int, cost: Cost, since: float
 ) -> tuple[Instant, Verdict]:
     """The sampling instant at a time: commands, T_max, and how long the commands are held."""
-    memory, a, bound = decide(loop.controller, memory, vehicles)
-    T_max = float(bound)
-    certified, span = T_max > loop.T, 1.0
+    memory, a = _decided(loop, at, vehicles, memory, since)
+    T_exact, bound = None, (T_max := float(lemma1_period(loop.controller, vehicles, a)))
+    if loop.exact:
+        bound = T_exact = exact_at(loop.controller, vehicles, a)
+    certified, span = bound > loop.T, 1.0
     if loop.shorten:
-        while not span * loop.T < T_max and span > SHORTEST:
+        while not span * loop.T < bound and span > SHORTEST:
             span *= 0.5
     span = min(span, 1.0 - at[1])  # the next nominal instant is one in any case
     count = violations + (not certified)
     seal(vehicles.s, vehicles.v, a)
-    now = Instant(*at, vehicles, a, T_max, span, count, cost, memory)
+    now = Instant(*at, vehicles, a, T_max, span, count, cost, memory, T_exact)
     return now, Verdict.CERTIFIED if certified else Verdict.NOT_CERTIFIED
+
+
+def _decided(
+    loop: Loop, at: tuple[int, float], vehicles: Moving, memory: object, since: float
+) -> tuple[object, Vector]:
+    """What the controller remembers and commands at a time."""
+    if not loop.timed:
+        return loop.controller.decide(memory, vehicles.s, vehicles.v)
+    law = cast(TimedController[object], loop.controller)
+    return law.decide_after(memory, vehicles.s, vehicles.v, since, at[1] == 0.0)
+
+
+def exact_at(controller: Controller[object], vehicles: Moving, a: Vector) -> float:
+    """The exact period for accelerations that are held from now on (ours).
+
+    Parameters
+    ----------
+    controller : as for `period.lemma1_period`
+    vehicles : state of the plant
+    a : (n,) accelerations [m/s2]
+
+    Returns
+    -------
+    T_exact [s]
+    """
+    s, v = room(controller, vehicles.s), vehicles.v
+    return float(exact_period(s, v, a, controller.constants, automated(controller, a)))

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from ..law.controller import Controller, Memory
+from ..law.cooperation import contact_spacing
+from ..law.extended import behind_leader
 from ..namespaces import Array
 from ..objective import running_cost
 from ..parameters import ObjectiveWeights
@@ -24,7 +26,54 @@ def decide(controller: Controller[Memory], memory: Memory | None, vehicles: Movi
     what the controller remembers, the (n, ...) accelerations commanded from here on [m/s2], and T_max, (...) [s]
     """
     remembered, a = controller.decide(memory, vehicles.s, vehicles.v)
-    return remembered, a, largest_period(vehicles.s, vehicles.v, a, controller.constants)
+    return remembered, a, lemma1_period(controller, vehicles, a)
+
+
+def lemma1_period(controller: Controller[Memory], vehicles: Moving, a: Array) -> Array:
+    """T_max for the commands of a controller, with lengths of vehicles and a leader that drives itself (ours).
+
+    Parameters
+    ----------
+    controller : may have a `cooperation` with lengths, and a `leader` that is not None where it drives itself
+    vehicles : state of the plant
+    a : (n, ...) accelerations commanded [m/s2]
+
+    Returns
+    -------
+    (...) array [s]
+    """
+    return largest_period(room(controller, vehicles.s), vehicles.v, a, controller.constants, automated(controller, a))
+
+
+def room(controller: Controller[Memory], s: Array) -> Array:
+    """Spacings with the lengths of the vehicles ahead taken for L (ours).
+
+    Parameters
+    ----------
+    controller : as for `lemma1_period`
+    s : (n-1, ...) array [m]
+
+    Returns
+    -------
+    (n-1, ...) array [m]; L where vehicles touch
+    """
+    cooperation = getattr(controller, "cooperation", None)
+    return s if cooperation is None else contact_spacing(s, cooperation, controller.constants)
+
+
+def automated(controller: Controller[Memory], v: Array) -> Array | None:
+    """Which vehicles are automated, None where all are (ours).
+
+    Parameters
+    ----------
+    controller : as for `lemma1_period`
+    v : (n, ...) array like the vehicles
+
+    Returns
+    -------
+    (n, ...) array, 0 for a first vehicle that drives itself
+    """
+    return None if getattr(controller, "leader", None) is None else behind_leader(v)
 
 
 def hold(

@@ -7,6 +7,7 @@
 #include <math.h>
 
 #include "psp_kernels.h"
+#include "slope.h"
 
 static double smaller(double a, double b) { return b < a ? b : a; }
 
@@ -21,9 +22,7 @@ static inline double feedback_of(const Constants *constants, const Shape *shape,
         double slope_behind = 0.0;
         if (i < n - 1) {
             const double s = gaps[i];
-            slope_behind = h.hill != 0.0 && psp_on_hill(s, h.r) != 0.0
-                               ? psp_slope(s, h.alpha, h.r, h.p, h.hill, c.L, c.lam)
-                               : psp_slope_off_hill(s, h.alpha, c.L, c.lam);
+            slope_behind = slope_at(&c, &h, s);
             T_max = smaller(T_max, psp_gap_bound(s, c.L, c.v_max));
         }
         const double u = slope_in_front - slope_behind;
