@@ -110,9 +110,11 @@
 #define locate PSP_NAME(locate)
 #define printable PSP_NAME(printable)
 #define finite_or_log PSP_NAME(finite_or_log)
+#define finite_element PSP_NAME(finite_element)
 #define finite_triple PSP_NAME(finite_triple)
 #define read_choice PSP_NAME(read_choice)
 #define read_period PSP_NAME(read_period)
+#define check_start PSP_NAME(check_start)
 #define read_constants PSP_NAME(read_constants)
 #define read_weights PSP_NAME(read_weights)
 #define read_request PSP_NAME(read_request)
@@ -174,5 +176,11 @@
 #define issue PSP_NAME(issue)
 #define predict PSP_NAME(predict)
 #define predictive_command PSP_NAME(predictive_command)
+
+/* the plant */
+#define plant_begin PSP_NAME(plant_begin)
+#define plant_take_vehicles PSP_NAME(plant_take_vehicles)
+#define plant_advance PSP_NAME(plant_advance)
+#define plant_acceleration PSP_NAME(plant_acceleration)
 
 #endif

@@ -21,12 +21,26 @@ from .kernels import kernels_header
 from .tables import model_header, network_header, table_header
 
 PLATFORMS = ("linux64", "win64", "darwin64")
-_ALONE = "needs nothing but itself"
+ALONE = "needs nothing but itself"
 NEEDS = "Needs nothing from outside.  sources/ holds the C sources; `fmpy compile` builds them for other platforms."
 _CAPABILITIES = ("canNotUseMemoryManagementFunctions", "canGetAndSetFMUstate", "canSerializeFMUstate")
 _HERE = Path(__file__).parent
+_OF_THE_LAW = (
+    "certificate.c",
+    "certificate.h",
+    "choice.c",
+    "cooperation.c",
+    "cooperation.h",
+    "feasible.c",
+    "motion.c",
+    "network.c",
+    "parameters.c",
+    "slope.h",
+)
+_OF_ACTUATORS = ("actuation.c", "actuation.h")
 _OWN_SOURCES = {  # of each component, by the header that defines an instance; all have what is not listed
     "platoon_model.h": (
+        *_OF_THE_LAW,
         "platoon.h",
         "platoon_backend.c",
         "platoon_clock.c",
@@ -39,8 +53,8 @@ _OWN_SOURCES = {  # of each component, by the header that defines an instance; a
         "platoon_trial.h",
     ),
     "controller_model.h": (
-        "actuation.c",
-        "actuation.h",
+        *_OF_THE_LAW,
+        *_OF_ACTUATORS,
         "braking.c",
         "braking.h",
         "controller.h",
@@ -57,6 +71,15 @@ _OWN_SOURCES = {  # of each component, by the header that defines an instance; a
         "uncertain.c",
         "uncertain.h",
     ),
+    "plant_model.h": (
+        *_OF_ACTUATORS,
+        "plant.h",
+        "plant_backend.c",
+        "plant_motion.c",
+        "plant_restore.c",
+        "plant_settings.c",
+    ),
+    "leader_model.h": ("leader_backend.c",),
 }
 
 
@@ -70,10 +93,11 @@ class NativeFmu:
     header : in c/, defines an instance
     vehicles : n
     table : its variables
-    networks : that go into it, by number of vehicles
+    networks : that go into it, by number of vehicles; none into a plant or a leader
     notes : paragraphs of its page
     capabilities : attributes of CoSimulation that are true
     more : further files, content by name
+    headers : further C headers that only this component has, text by name
     """
 
     name: str
@@ -85,6 +109,7 @@ class NativeFmu:
     notes: tuple[str, ...]
     capabilities: tuple[str, ...] = _CAPABILITIES
     more: Mapping[str, bytes] = field(default_factory=dict)
+    headers: Mapping[str, str] = field(default_factory=dict)
 
     def sources(self, guid: str) -> dict[str, bytes]:
         """All files that a C compiler needs besides FMI's headers, by file name.
@@ -100,10 +125,10 @@ class NativeFmu:
         generated = {
             "psp_kernels.h": kernels_header(),
             "psp_model.h": model_header(self.table, self.vehicles, guid, self.networks, self.header),
-            "psp_network.h": network_header(self.networks),
             "psp_prefix.h": prefix_header(self.name),
             "psp_table.h": table_header(self.table),
         }
+        generated |= {"psp_network.h": network_header(self.networks)} if "network.c" in found else self.headers
         return found | {name: text.encode() for name, text in generated.items()}
 
 
@@ -124,7 +149,7 @@ def native_platoon(vehicles: int, networks: Mapping[int, NetworkFile]) -> Native
     reader = networks[vehicles].reader if vehicles in networks else None
     return NativeFmu(
         name="PspPlatoonNative",
-        description=f"{platoon.DESCRIPTION}; {_ALONE}",
+        description=f"{platoon.DESCRIPTION}; {ALONE}",
         header="platoon_model.h",
         vehicles=vehicles,
         table=table,
@@ -146,7 +171,7 @@ def native_controller(capacity: int, networks: Mapping[int, NetworkFile]) -> Nat
     """
     return NativeFmu(
         name="PspControllerNative",
-        description=f"{controller.DESCRIPTION}; {_ALONE}",
+        description=f"{controller.DESCRIPTION}; {ALONE}",
         header="controller_model.h",
         vehicles=capacity,
         table=controller.controller_table(capacity, 1 if networks else 2),

@@ -26,6 +26,7 @@ from psp_model.sampling.exact import first_contact
 from psp_model.sampling.hold import advance, gaps_after, travelled
 from psp_model.sampling.lemma1 import period_bounds
 from psp_model.selection.feasible import cell_bound
+from psp_model.vehicles.leader import between, held_for, on_line
 
 from .scalar_c import Symbols, c_function
 from .vehicle_kernels import actuation_kernels, prediction_kernels, uncertain_kernels
@@ -137,6 +138,17 @@ def _motion_kernels() -> str:
     )
 
 
+def _leader_kernels() -> str:
+    high, low, cosine = of_wave = _symbols("high low cosine")
+    now, later, T = of_speeds = _symbols("now later T")
+    of_line = _symbols("time begin end first last")
+    return (
+        c_function("between", of_wave, [between(high, low, cosine)])
+        + c_function("on_line", of_line, [on_line(*of_line)])
+        + c_function("held_for", of_speeds, [held_for(now, later, T)])
+    )
+
+
 def kernels_header() -> str:
     """psp_kernels.h: potential, law, Lemma 1, motion, objective and actuators of single spacings and vehicles.
 
@@ -153,5 +165,6 @@ def kernels_header() -> str:
         actuation_kernels(),
         uncertain_kernels(),
         prediction_kernels(),
+        _leader_kernels(),
     )
     return _HEAD + "".join(parts) + "\n#endif\n"

@@ -50,7 +50,7 @@ static void ask_the_law(const Settings *settings, const Seen *seen, const Actuat
     };
     predictive_command(&settings->constants, &now->shape, &settings->cooperation, &traffic, &known, n, &predicted,
                        &work->ahead, now->a);
-    for (int i = 0; seen->automated && i < n; i++) now->a[i] *= seen->automated[i];
+    for (int i = 0; seen->automated && i < n; i++) now->a[i] = seen->automated[i] > 0.5 ? now->a[i] : 0.0;
 }
 
 /* The commands inside the limits; whether one was cut. */

@@ -51,10 +51,8 @@ static bool read_cooperation(Front *front, const double *read, Settings *setting
 
 static bool finite_each(Front *front, const char *name, const double *values, const char *unit)
 {
-    char indexed[32];
     for (int i = 0; i < PSP_N; i++) {
-        snprintf(indexed, sizeof indexed, "%s[%d]", name, i + 1);
-        if (!finite_or_log(front, indexed, values[i], unit)) return false;
+        if (!finite_element(front, name, i + 1, values[i], unit)) return false;
     }
     return true;
 }

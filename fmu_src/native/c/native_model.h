@@ -75,7 +75,11 @@ bool native_make_ready(Backend *backend);
 
 static inline bool native_is_integer(fmi2ValueReference reference)
 {
+#if PSP_INTEGER_COUNT
     return reference - PSP_FIRST_INTEGER < PSP_INTEGER_COUNT;
+#else
+    return (void)reference, false;
+#endif
 }
 
 #endif

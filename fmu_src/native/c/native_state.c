@@ -83,7 +83,8 @@ static bool restore(Model *model, const Progress *progress)
     const bool begins = (progress->mode & (INSTANTIATED | INITIALIZATION)) != 0;
     if (!can_be_in(model, progress->mode) || !clock_can_be(&model->clock)) return false;
     if (begins && !(progress->time == model->clock.time && clock_is_fresh(&model->clock))) return false;
-    for (unsigned i = PSP_FIRST_INTEGER; i < PSP_FIRST_INTEGER + PSP_INTEGER_COUNT; i++) {
+    for (unsigned i = 0; i < PSP_FIRST_OUTPUT; i++) {
+        if (!native_is_integer(i)) continue;
         const double value = model->values[i];
         if (!(INT_MIN <= value && value <= INT_MAX && value == floor(value))) return false;
     }
