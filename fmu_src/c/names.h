@@ -96,6 +96,8 @@
 #define feedback_towards PSP_NAME(feedback_towards)
 #define largest_period PSP_NAME(largest_period)
 #define pass_time PSP_NAME(pass_time)
+#define lemma1_period PSP_NAME(lemma1_period)
+#define exact_period PSP_NAME(exact_period)
 #define papers_law PSP_NAME(papers_law)
 #define gaps_are_model_spacings PSP_NAME(gaps_are_model_spacings)
 #define contact_spacing PSP_NAME(contact_spacing)

@@ -26,6 +26,8 @@ NEEDS = "Needs nothing from outside.  sources/ holds the C sources; `fmpy compil
 _CAPABILITIES = ("canNotUseMemoryManagementFunctions", "canGetAndSetFMUstate", "canSerializeFMUstate")
 _HERE = Path(__file__).parent
 _OF_THE_LAW = (
+    "certificate.c",
+    "certificate.h",
     "choice.c",
     "cooperation.c",
     "cooperation.h",
