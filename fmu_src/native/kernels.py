@@ -163,8 +163,8 @@ def kernels_header() -> str:
         _certificate_kernels(),
         _motion_kernels(),
         actuation_kernels(),
-        _leader_kernels(),
         uncertain_kernels(),
         prediction_kernels(),
+        _leader_kernels(),
     )
     return _HEAD + "".join(parts) + "\n#endif\n"
