@@ -88,7 +88,7 @@ class OpenPlatoon:
     ----------
     platoon : the vehicles there are, with their clock
     capacity : most vehicles N
-    choose : the potential for new initial spacings (n-1,) and speeds (n,), n >= 1
+    choose : the potential for new initial spacings (n-1,), with the lengths ahead taken for L, and speeds (n,), n >= 1
     vehicles : number of each vehicle, leader first; the first ones are 1 to n, later ones count on
     joined : vehicles there have been so far
     asked : what joining asks for beside the certificate
@@ -177,8 +177,9 @@ class OpenPlatoon:
         seen = self.platoon.observe(period, fraction)
         x, v = np.delete(seen.x, gone), np.delete(seen.v, gone)
         s = seen.s[1:] if gone == 0 else seen.s[:-1] if gone == len(self.vehicles) - 1 else _merged(seen.s, gone)
-        shape, members = self.choose(s, v), [place for place in range(len(self.vehicles)) if place != gone]
+        members = [place for place in range(len(self.vehicles)) if place != gone]
         loop, memory = self._rearranged(members, self._lengths()[members])
+        shape = self.choose(room(loop.controller, s), v)
         try:
             without = self.platoon.take_over(period, fraction, float(x[0]), s, v, shape, loop=loop, memory=memory)
         except ModelError as error:
@@ -230,7 +231,7 @@ class OpenPlatoon:
         _, s, v = motion
         loop, memory = self._rearranged(joining.members, joining.lengths)
         if anew:
-            loop = with_potential(loop, self.choose(s, v))
+            loop = with_potential(loop, self.choose(room(loop.controller, s), v))
         now, verdict = resample(loop, self.platoon.now, joining.at, motion, memory)
         return replace(self.platoon, loop=loop, now=now) if verdict is Verdict.CERTIFIED else None
 

@@ -8,7 +8,6 @@ from dataclasses import replace
 from psp_model.controller import PREDICTED_AGE, ControllerSettings
 from psp_model.law.cooperation import Cooperation
 from psp_model.parameters import NO_LIMIT
-from psp_model.sampling.policy import Sampling
 
 from .platoon import platoon_table
 from .variables import Variable
@@ -25,8 +24,7 @@ def _parameters(n: int, rows: dict[str, Variable]) -> Iterator[Variable]:
     yield replace(rows["lemma1_policy"], description=text, maximum=2)
     text = "Where inputs are stale, not finite or outside the state space; 1: error, 2: the fail-safe command"
     yield Variable("bad_input", text, start=1, minimum=1, maximum=2, integer=True)
-    text = "What certifies T: 1: Lemma 1, T < T_max, 2: the exact period, T < T_exact"
-    yield Variable("certificate", text, start=Sampling().certificate, minimum=1, maximum=2, integer=True)
+    yield rows["certificate"]
     text = "Whose speed a vehicle takes on; 1: the nearest vehicle ahead that is not automated, 2: its predecessor"
     yield Variable("following", text, start=Cooperation().following, minimum=1, maximum=2, integer=True)
     yield from (rows[name] for name in _FALLBACK)
@@ -36,7 +34,7 @@ def _parameters(n: int, rows: dict[str, Variable]) -> Iterator[Variable]:
     yield Variable("max_age", text, "s", ControllerSettings.max_age, 0, nominal=1)
     text = "Time of the first sampling instant after the start, from 0 to below T"
     yield Variable("phase", text, "s", 0.0, 0, nominal=0.01)
-    yield from extended_law(Cooperation())
+    yield from _extended_law(rows)
     text = "Bound on the error of measured spacings, for T_max and T_exact"
     yield Variable("error_s", text, "m", 0.0, 0, nominal=0.1)
     text = "Bound on the error of measured speeds, for T_max and T_exact"
@@ -56,26 +54,14 @@ def _parameters(n: int, rows: dict[str, Variable]) -> Iterator[Variable]:
         yield Variable(f"a_max[{i}]", text, "m/s2", NO_LIMIT, 0, nominal=5)
 
 
-def extended_law(start: Cooperation) -> Iterator[Variable]:
-    """The scalar parameters of the extended law.
-
-    Parameters
-    ----------
-    start : start values
-    """
-    yield Variable("kappa", "Viscosity of vehicles at the smallest spacing", "1/s", float(start.kappa), 0, nominal=1)
-    text = "Spacing at which viscosity has faded to 0, above L"
-    yield Variable("kappa_reach", text, "m", float(start.kappa_reach), 0, nominal=30)
+def _extended_law(rows: dict[str, Variable]) -> Iterator[Variable]:
+    law = Cooperation()
+    yield from (rows[name] for name in ("kappa", "kappa_reach"))
     text = "Clearance per speed that is taken off the spacing before the law is applied"
-    yield Variable("time_gap", text, "s", float(start.time_gap), 0, nominal=1)
+    yield Variable("time_gap", text, "s", float(law.time_gap), 0, nominal=1)
     text = "Share of the followed vehicle's acceleration that is commanded"
-    yield Variable("feedforward", text, "1", float(start.feedforward), 0, 1)
-    text = "By how much a vehicle may be faster than its predecessor in order to close up; 0: none closes up"
-    yield Variable("closing_speed", text, "m/s", float(start.closing_speed), 0, nominal=1)
-    text = "Spacing at which closing up sets in"
-    yield Variable("closing_spacing", text, "m", float(start.closing_spacing), 0, nominal=15)
-    text = "Spacing at which closing up has faded to 0, above closing_spacing"
-    yield Variable("closing_reach", text, "m", float(start.closing_reach), 0, nominal=100)
+    yield Variable("feedforward", text, "1", float(law.feedforward), 0, 1)
+    yield from (rows[f"closing_{name}"] for name in ("speed", "spacing", "reach"))
 
 
 def _measured(n: int, rows: dict[str, Variable]) -> Iterator[Variable]:

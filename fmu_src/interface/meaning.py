@@ -8,19 +8,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
+from math import isfinite
 from typing import Any, TypeVar
 
 import numpy as np
 
 from psp_model.errors import ModelError
-from psp_model.law.cooperation import Cooperation
+from psp_model.law.cooperation import PAPERS_LAW, Cooperation
+from psp_model.law.extended import DrivenLeader
 from psp_model.law.potential import PotentialParameters
+from psp_model.membership import JoinMargin
 from psp_model.parameters import Actuation, ObjectiveWeights, PlatoonParameters
 from psp_model.quantities import FIELD_NAMES
 from psp_model.sampling.policy import Certificate, Lemma1Policy, Sampling
 from psp_model.selection.selectors import ParameterSource, Request
 from psp_model.state import PlatoonState
-from psp_model.validate import validate
+from psp_model.validate import validate, validate_start
+from psp_model.vehicles.braking import MOST
 
 from .variables import Variable
 
@@ -177,7 +181,46 @@ def request_of(read: Read, rows: Mapping[str, Variable]) -> Request:
     return request.checked()
 
 
-def start_of(read: Read, n: int, constants: PlatoonParameters) -> PlatoonState:
+def join_margin_of(read: Read) -> JoinMargin:
+    """What joining asks for beside the certificate.
+
+    Parameters
+    ----------
+    read : value by name
+    """
+    asked = JoinMargin(read("join_brake_margin"), read("join_a_min"))
+    for name in ("join_brake_margin", "join_a_min"):
+        if not isfinite(read(name)):
+            raise ModelError("finite", name, read(name), "m/s2")
+    if not 0.0 <= asked.brake_margin <= MOST:
+        raise ModelError("join_brake_margin", asked.brake_margin, MOST)
+    if not asked.a_min < 0.0:
+        raise ModelError("join_a_min", asked.a_min)
+    return asked
+
+
+def leader_of(read: Read, v_max: float) -> DrivenLeader | None:
+    """The first vehicle if it drives itself, None where it is automated.
+
+    Parameters
+    ----------
+    read : value by name
+    v_max : speed limit [m/s]
+    """
+    automated, speed, acceleration = (read(f"leader_{name}") for name in ("automated", "speed", "acceleration"))
+    if not isfinite(automated):
+        raise ModelError("finite", "leader_automated", automated, "1")
+    if automated >= 0.5:
+        return None
+    for name, value, unit in (("speed", speed, "m/s"), ("acceleration", acceleration, "m/s2")):
+        if not isfinite(value):
+            raise ModelError("finite", f"leader_{name}", value, unit)
+    if not 0.0 <= speed <= v_max:
+        raise ModelError("leader_speed", speed, v_max)
+    return DrivenLeader(speed, acceleration)
+
+
+def start_of(read: Read, n: int, constants: PlatoonParameters, cooperation: Cooperation = PAPERS_LAW) -> PlatoonState:
     """The initial state of the first n vehicles.
 
     Parameters
@@ -185,6 +228,7 @@ def start_of(read: Read, n: int, constants: PlatoonParameters) -> PlatoonState:
     read : value by name
     n : vehicles
     constants : of the model
+    cooperation : with their lengths
     """
     s, v = [read(f"s_start[{i}]") for i in range(2, n + 1)], [read(f"v_start[{i}]") for i in range(1, n + 1)]
-    return validate(PlatoonState(s, v, constants, read("x_start")))
+    return validate_start(PlatoonState(s, v, constants, read("x_start")), cooperation)

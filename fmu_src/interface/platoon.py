@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import cycle, islice
 
+from psp_model.law.cooperation import Cooperation
 from psp_model.law.potential import BEST_FIXED
+from psp_model.membership import JoinMargin
 from psp_model.objective import HORIZON
 from psp_model.parameters import ALPHA_MAX, ALPHA_MIN, P_MAX, P_MIN, ObjectiveWeights, PlatoonParameters
 from psp_model.sampling.policy import Sampling
+from psp_model.vehicles.braking import MOST
 
 from .variables import Variable
 
@@ -21,7 +24,8 @@ FIRST_SPEEDS = (30.0, 31.5, 28.5, 29.5, 32.0, 28.0, 30.5)  # [m/s] likewise
 
 def _constants() -> Iterator[Variable]:
     c, w = PlatoonParameters(), ObjectiveWeights()
-    yield Variable("T", "Sampling period, above 0; certified where below T_max", "s", Sampling().T, 0, nominal=0.01)
+    text = "Sampling period, above 0; certified where below T_max or, with certificate 2, below T_exact"
+    yield Variable("T", text, "s", Sampling().T, 0, nominal=0.01)
     yield Variable("L", "Smallest allowable spacing, above 0", "m", c.L, 0, nominal=5)
     yield Variable("lambda", "Gap at which the repulsion ends, above L + 3 m", "m", c.lam, 0, nominal=20)
     yield Variable("v_star", "Desired cruising speed, above 0 and below v_max", "m/s", c.v_star, 0, nominal=30)
@@ -42,11 +46,16 @@ def _choices(n: int, default_source: int) -> Iterator[Variable]:
     yield choice("potential", "1: V_old, 2: V_new", 2, 1, 2)
     text = (
         "Where alpha, r, p come from; 1: the network, from the initial state, 2: alpha_fixed, r_fixed, p_fixed, "
-        "3: the network's candidates, rolled out from the initial state"
+        "3: the network's candidates, rolled out from the initial state; network and rollouts judge by the paper's law"
     )
     yield choice("parameter_source", text, default_source, 1, 3)
-    text = "At a sampling instant with T >= T_max; 1: error, 2: warn and count, 3: shorter periods until certified"
+    text = (
+        "At a sampling instant at which certificate does not certify T; 1: error, 2: warn and count, "
+        "3: shorter periods until certified"
+    )
     yield choice("lemma1_policy", text, Sampling().policy, 1, 3)
+    text = "What certifies T: 1: Lemma 1, T < T_max, 2: the exact period, T < T_exact"
+    yield choice("certificate", text, Sampling().certificate, 1, 2)
     text = "Most shortened sampling periods in one communication step with lemma1_policy 3"
     yield choice("max_short_periods", text, Sampling().max_short_periods, 1, None)
     text = "Most rollouts at initialisation with parameter_source 3"
@@ -63,10 +72,30 @@ def _choices(n: int, default_source: int) -> Iterator[Variable]:
     yield Variable("p_fixed", text, "1", BEST_FIXED.p, P_MIN, P_MAX, 5)
 
 
+def _extended_law(n: int) -> Iterator[Variable]:
+    law, none = Cooperation(), JoinMargin()
+    yield Variable("kappa", "Viscosity of vehicles at the smallest spacing", "1/s", float(law.kappa), 0, nominal=1)
+    text = "Spacing at which viscosity has faded to 0, above L"
+    yield Variable("kappa_reach", text, "m", float(law.kappa_reach), 0, nominal=30)
+    text = "By how much a vehicle may be faster than its predecessor in order to close up; 0: none closes up"
+    yield Variable("closing_speed", text, "m/s", float(law.closing_speed), 0, nominal=1)
+    text = "Spacing at which closing up sets in"
+    yield Variable("closing_spacing", text, "m", float(law.closing_spacing), 0, nominal=15)
+    text = "Spacing at which closing up has faded to 0, above closing_spacing"
+    yield Variable("closing_reach", text, "m", float(law.closing_reach), 0, nominal=100)
+    text = "Brake margin that the platoon with a joining vehicle must have; 0: not checked"
+    yield Variable("join_brake_margin", text, "m/s2", none.brake_margin, 0, MOST, nominal=3)
+    text = "What vehicles can brake with, for join_brake_margin, below 0"
+    yield Variable("join_a_min", text, "m/s2", none.a_min, maximum=0, nominal=5)
+    for i in range(1, n + 1):
+        text = f"Length of the vehicle that is at place {i} at the start; 0 for L"
+        yield Variable(f"length[{i}]", text, "m", 0.0, 0, nominal=5)
+
+
 def _starts(n: int) -> Iterator[Variable]:
     yield Variable("x_start", "Initial position of vehicle 1, the leader", "m", 0.0, nominal=100)
     for i, spacing in enumerate(islice(cycle(FIRST_GAPS), n - 1), start=2):
-        text = f"Initial spacing between vehicle {i - 1} and vehicle {i}, above L"
+        text = f"Initial spacing between vehicle {i - 1} and vehicle {i}, above length[{i - 1}]"
         yield Variable(f"s_start[{i}]", text, "m", spacing, 0, nominal=10)
     for i, speed in enumerate(islice(cycle(FIRST_SPEEDS), n), start=1):
         yield Variable(f"v_start[{i}]", f"Initial speed of vehicle {i}, at most v_max", "m/s", speed, 0, nominal=30)
@@ -79,8 +108,19 @@ def _joining(n: int) -> Iterator[Variable]:
     text = "Gap from the new vehicle to the one it joins behind or, where it becomes the leader, to the old leader"
     yield Variable("insert_gap", text, "m", 20.0, 0, nominal=10, input=True)
     yield Variable("insert_speed", "Speed of the new vehicle, at most v_max", "m/s", 30.0, 0, nominal=30, input=True)
+    text = "Length of the new vehicle; 0 for L"
+    yield Variable("insert_length", text, "m", 0.0, 0, nominal=5, input=True)
     yield Variable("remove", "A vehicle leaves where this rises above 0.5", "1", 0.0, 0, 1, input=True)
     yield Variable("remove_place", "Place of the vehicle that leaves, 1 for the leader", "1", 1.0, 1, n, input=True)
+
+
+def _leader() -> Iterator[Variable]:
+    text = "1 if vehicle 1 is automated; 0 if it drives itself, and the others follow it"
+    yield Variable("leader_automated", text, "1", 1.0, 0, 1, input=True)
+    text = "Speed of vehicle 1 where it drives itself, at most v_max"
+    yield Variable("leader_speed", text, "m/s", FIRST_SPEEDS[0], 0, nominal=30, input=True, continuous=True)
+    text = "Acceleration of vehicle 1 over the next sampling period, where it drives itself"
+    yield Variable("leader_acceleration", text, "m/s2", 0.0, nominal=1, input=True, continuous=True)
 
 
 def _motion(n: int) -> Iterator[Variable]:
@@ -111,7 +151,11 @@ def _reports() -> Iterator[Variable]:
     text = "Lemma 1 at the last sampling instant: T is certified if it is below this"
     yield Variable("T_max", text, "s", nominal=0.1)
     yield Variable("lemma1_ok", "1 if T is below T_max at the last sampling instant, else 0", minimum=0, maximum=1)
-    yield Variable("lemma1_violations", "Sampling instants so far at which T was not below T_max", minimum=0)
+    text = "The exact period at the last sampling instant: when vehicles would touch or reach a speed limit"
+    yield Variable("T_exact", text, "s", nominal=1)
+    text = "1 if T is certified at the last sampling instant by what certificate chooses, else 0"
+    yield Variable("certified", text, minimum=0, maximum=1)
+    yield Variable("lemma1_violations", "Sampling instants so far at which T was not certified", minimum=0)
     nothing: tuple[str, ...] = ()
     text = "Objective so far, J_acceleration + J_gap"
     yield Variable("J", text, nominal=10, continuous=True, minimum=0, initial_dependencies=nothing)
@@ -137,6 +181,9 @@ def _members(n: int) -> Iterator[Variable]:
     yield Variable("refusals", "Changes refused so far", minimum=0, initial_dependencies=nothing)
 
 
+_JOIN_MARGIN = ("join_brake_margin", "join_a_min")
+
+
 def joining_names(vehicles: int) -> set[str]:
     """Names of the variables that only vehicles that join or leave need.
 
@@ -144,7 +191,7 @@ def joining_names(vehicles: int) -> set[str]:
     ----------
     vehicles : most vehicles N
     """
-    return {"n_start", *(row.name for rows in (_joining(vehicles), _members(vehicles)) for row in rows)}
+    return {"n_start", *_JOIN_MARGIN, *(row.name for rows in (_joining(vehicles), _members(vehicles)) for row in rows)}
 
 
 def platoon_table(vehicles: int, default_source: int = 1) -> tuple[Variable, ...]:
@@ -159,6 +206,7 @@ def platoon_table(vehicles: int, default_source: int = 1) -> tuple[Variable, ...
     -------
     tuple of Variable (names and units: the design; rollout_*, max_short_periods, joining and leaving: ours)
     """
-    parameters = (_constants(), _choices(vehicles, default_source), _starts(vehicles))
-    groups = (*parameters, _joining(vehicles), _motion(vehicles), _reports(), _members(vehicles))
+    choices = _choices(vehicles, default_source)
+    parameters = (_constants(), choices, _extended_law(vehicles), _starts(vehicles))
+    groups = (*parameters, _joining(vehicles), _leader(), _motion(vehicles), _reports(), _members(vehicles))
     return tuple(variable for group in groups for variable in group)

@@ -26,6 +26,8 @@ NEEDS = "Needs nothing from outside.  sources/ holds the C sources; `fmpy compil
 _CAPABILITIES = ("canNotUseMemoryManagementFunctions", "canGetAndSetFMUstate", "canSerializeFMUstate")
 _HERE = Path(__file__).parent
 _OF_THE_LAW = (
+    "certificate.c",
+    "certificate.h",
     "choice.c",
     "cooperation.c",
     "cooperation.h",
@@ -53,11 +55,21 @@ _OWN_SOURCES = {  # of each component, by the header that defines an instance; a
     "controller_model.h": (
         *_OF_THE_LAW,
         *_OF_ACTUATORS,
+        "braking.c",
+        "braking.h",
         "controller.h",
         "controller_backend.c",
+        "controller_law.c",
+        "controller_margin.c",
+        "controller_measurement.c",
+        "controller_members.c",
         "controller_restore.c",
         "controller_sample.c",
         "controller_settings.c",
+        "prediction.c",
+        "prediction.h",
+        "uncertain.c",
+        "uncertain.h",
     ),
     "plant_model.h": (
         *_OF_ACTUATORS,

@@ -17,17 +17,19 @@ from psp_model.law.cooperation import (
     model_spacing,
     viscosity,
 )
+from psp_model.law.extended import DrivenLeader, driven
 from psp_model.law.feedback import command, command_towards
 from psp_model.law.potential import PotentialParameters, on_hill, potential_slope
 from psp_model.objective import acceleration_cost, gap_cost
 from psp_model.parameters import ObjectiveWeights, PlatoonParameters, generic
+from psp_model.sampling.exact import first_contact
 from psp_model.sampling.hold import advance, gaps_after, travelled
 from psp_model.sampling.lemma1 import period_bounds
 from psp_model.selection.feasible import cell_bound
 from psp_model.vehicles.leader import between, held_for, on_line
 
 from .scalar_c import Symbols, c_function
-from .vehicle_kernels import actuation_kernels
+from .vehicle_kernels import actuation_kernels, prediction_kernels, uncertain_kernels
 
 _HEAD = """/* From psp_model by way of CasADi; fmu_src/native/kernels.py wrote it. */
 #ifndef PSP_KERNELS_H
@@ -105,6 +107,22 @@ def _cooperation_kernels() -> str:
     )
 
 
+def _certificate_kernels() -> str:
+    """How long distances last, and a leader that drives itself."""
+    c, b, a, v, speed, acceleration, T, v_max = _symbols("c b a v speed acceleration T v_max")
+    contact = first_contact(c, b, a)
+    leader = DrivenLeader(speed, acceleration)
+    return (
+        c_function("first_contact", [c, b, a], [contact])
+        + _with_tangent("first_contact", [c, b, a], contact)
+        + c_function(
+            "driven",
+            [v, speed, acceleration, T, v_max],
+            [driven(v, leader, T, generic(PlatoonParameters, v_max=v_max))],
+        )
+    )
+
+
 def _motion_kernels() -> str:
     s, moved_front, moved, v, a, tau = _symbols("s moved_front moved v a tau")
     gap = gaps_after(s, casadi.vertcat(moved_front, moved))
@@ -142,8 +160,11 @@ def kernels_header() -> str:
         _potential_kernels(),
         _feedback_kernels(),
         _cooperation_kernels(),
+        _certificate_kernels(),
         _motion_kernels(),
         actuation_kernels(),
+        uncertain_kernels(),
+        prediction_kernels(),
         _leader_kernels(),
     )
     return _HEAD + "".join(parts) + "\n#endif\n"

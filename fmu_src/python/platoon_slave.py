@@ -16,15 +16,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from psp_model.errors import ModelError
+from psp_model.law.cooperation import contact_spacing
+from psp_model.law.extended import ExtendedLaw
 from psp_model.law.potential import PotentialParameters
 from psp_model.membership import OpenPlatoon, Refusal
 from psp_model.platoon import SampledPlatoon
 from psp_model.sampling.clock import Clock
+from psp_model.sampling.loop import exact_at
+from psp_model.sampling.period import room
 from psp_model.sampling.policy import Sampling
 from psp_model.selection.feasible import require_feasible
 from psp_model.selection.selectors import Selector, lies_in_domain, selector_for
+from psp_model.validate import validate_law
 
-from ..interface.meaning import constants_of, start_of, weights_of
+from ..interface.meaning import constants_of, cooperation_of, join_margin_of, leader_of, start_of, weights_of
 from ..interface.platoon import platoon_table
 from ..interface.variables import Variable
 from .network_files import networks_of
@@ -48,6 +53,9 @@ class PspPlatoon(TableSlave):
         self._networks, self._trained = networks_of(Path(self.resources), self._config["networks"])
         self._in_domain = 0.0
         self._insert, self._remove = self._place["insert"], self._place["remove"]
+        self._leader = slice(self._place["leader_automated"], self._place["leader_acceleration"] + 1)
+        self._leader_told: list[float] = []  # the inputs of the leader when they were looked at last
+        self._exact, self._exact_known = self._place["T_exact"], False  # whether T_exact in _values is up to date
         self._become(Members())
 
     def _become(self, members: Members) -> None:
@@ -60,24 +68,30 @@ class PspPlatoon(TableSlave):
 
     def _describe(self) -> Description:
         """The settings given by the parameters, checked."""
-        n, sampling = self._chosen("n_start"), self._sampling()
-        start = start_of(self._value, n, constants_of(self._value))
+        n, sampling, constants = self._chosen("n_start"), self._sampling(), constants_of(self._value)
+        cooperation = cooperation_of(self._value, self._rows, n, constants.L)
+        validate_law(cooperation, constants)
+        asked = join_margin_of(self._value)
+        start = start_of(self._value, n, constants, cooperation)
         request = self._request()
         if request.asks_network:
             if not self._networks:
                 raise ModelError("no_network", n)
             require_feasible(request.fixed, start.constants)  # otherwise a later change might find no potential
-        return Description(start, weights_of(self._value), sampling, request.old)
+        return Description(start, weights_of(self._value), sampling, request.old, cooperation, asked)
 
     def _initialise(self) -> SampledPlatoon:
         """The platoon that the parameters describe, at its first sampling instant."""
         described = self._describe()
-        start, n = described.start, described.start.v.size
-        selection = self._selector(described.sampling).select(start.s, start.v, start.constants)
+        start, n, constants = described.start, described.start.v.size, described.start.constants
+        leader = leader_of(self._value, constants.v_max)
+        s = contact_spacing(start.s, described.cooperation, constants)
+        selection = self._selector(described.sampling).select(s, start.v, constants)
         if selection.warning:
             self._warn(selection.warning)
         shape, sampling = selection.potential, described.sampling
-        platoon = SampledPlatoon.begin(start, shape, described.weights, sampling, self._warn)
+        make = described.law(leader)
+        platoon = SampledPlatoon.begin(start, shape, described.weights, sampling, self._warn, controller=make)
         self._in_domain = self._lies_in_domain(platoon)
         self._become(Members(tuple(range(1, n + 1)), n))
         return platoon
@@ -88,7 +102,28 @@ class PspPlatoon(TableSlave):
 
     def _lies_in_domain(self, platoon: SampledPlatoon) -> float:
         """1.0 if there is a network for this number of vehicles and they are in its training domain, else 0.0."""
-        return float(lies_in_domain(self._trained, platoon.now.s, platoon.now.v, platoon.constants))
+        return float(lies_in_domain(self._trained, *_seen(platoon), platoon.constants))
+
+    # a leader that drives itself
+
+    def _take_leader(self) -> None:
+        """Take what is told of the leader, from the last sampling instant on if the communication point is that one."""
+        platoon, told = self._part, self._values[self._leader]
+        if told == self._leader_told:
+            return
+        assert platoon is not None
+        loop, now = platoon.loop, platoon.now
+        law = loop.controller
+        assert isinstance(law, ExtendedLaw)
+        leader = leader_of(self._value, law.constants.v_max)
+        self._leader_told = told
+        if leader == law.leader:
+            return
+        loop = replace(loop, controller=replace(law, leader=leader))
+        if self._clock.at() == (now.period, now.fraction):
+            platoon.redecide(loop)
+        else:
+            platoon.loop = loop
 
     # joining and leaving
 
@@ -102,8 +137,10 @@ class PspPlatoon(TableSlave):
         if remove > 0.5 and not before.remove > 0.5:
             self._make(lambda road: road.remove(self._value("remove_place"), *at))
         if insert > 0.5 and not before.insert > 0.5:
-            behind, gap, speed = (self._value(f"insert_{name}") for name in ("behind", "gap", "speed"))
-            self._make(lambda road: road.insert(behind, gap, speed, *at))
+            behind, gap, speed, length = (
+                self._value(f"insert_{name}") for name in ("behind", "gap", "speed", "length")
+            )
+            self._make(lambda road: road.insert(behind, gap, speed, *at, length))
         self._become(replace(self._members, insert=insert, remove=remove))
 
     def _make(self, change: Callable[[OpenPlatoon], tuple[OpenPlatoon, Refusal | None]]) -> None:
@@ -118,7 +155,8 @@ class PspPlatoon(TableSlave):
             warning = selection.warning  # warnings of earlier trials are dropped
             return selection.potential
 
-        road = OpenPlatoon(platoon, self.vehicles, choose, members.vehicles, members.joined)
+        asked = join_margin_of(self._value)
+        road = OpenPlatoon(platoon, self.vehicles, choose, members.vehicles, members.joined, asked)
         road, refused = change(road)
         if refused:
             self._warn(refused.sentence)
@@ -137,6 +175,8 @@ class PspPlatoon(TableSlave):
     def do_step(self, current_time: float, step_size: float) -> bool:
         self._require_here(current_time, step_size)
         if step_size > 0.0:
+            self._stale = True
+            self._take_leader()
             self._make_changes()
         platoon = self._part
         assert platoon is not None
@@ -168,9 +208,21 @@ class PspPlatoon(TableSlave):
         now, shape = platoon.now, platoon.shape
         assert isinstance(shape, PotentialParameters)
         of_acceleration, of_gaps = cost
-        reports = (shape.alpha, shape.r, shape.p, self._in_domain, min(now.T_max, LONGEST))
-        lemma1 = (float(now.T_max > platoon.sampling.T), float(now.violations))
-        return [*reports, *lemma1, of_acceleration + of_gaps, of_acceleration, of_gaps]
+        T, self._exact_known = platoon.sampling.T, now.T_exact is not None
+        lemma1 = (min(now.T_max, LONGEST), float(now.T_max > T))
+        verdict = (min(now.T_exact or 0.0, LONGEST), float(now.bound > T), float(now.violations))
+        reports = (shape.alpha, shape.r, shape.p, self._in_domain, *lemma1, *verdict)
+        return [*reports, of_acceleration + of_gaps, of_acceleration, of_gaps]
+
+    def _get(self, references: list[int], integer: bool) -> list[float]:
+        """The values; T_exact takes long, and is computed where it is read unless a verdict depends on it."""
+        values, platoon = super()._get(references, integer), self._part
+        if self._exact_known or platoon is None or self._exact not in references:
+            return values
+        now = platoon.now
+        self._values[self._exact] = min(exact_at(platoon.loop.controller, now.vehicles, now.a), LONGEST)
+        self._exact_known = True
+        return super()._get(references, integer)
 
     # the whole state
 
@@ -178,7 +230,7 @@ class PspPlatoon(TableSlave):
         return kept_of(platoon, self._members, self._in_domain)
 
     def _taken_up(self, kept: Kept) -> SampledPlatoon:
-        self._in_domain = kept.in_domain
+        self._in_domain, self._leader_told = kept.in_domain, []
         self._become(kept.members)
         return SampledPlatoon(kept.loop, kept.sampling, kept.now, self._warn)
 
@@ -189,6 +241,11 @@ class PspPlatoon(TableSlave):
 
     def _restored(self, data: Any, here: Clock) -> Kept:
         return restored(data, here, self.vehicles, self._describe())
+
+
+def _seen(platoon: SampledPlatoon) -> tuple[Vector, Vector]:
+    """Spacings, with the lengths ahead taken for L, and speeds."""
+    return room(platoon.loop.controller, platoon.now.s), platoon.now.v
 
 
 def _gone_back(platoon: SampledPlatoon, before: Clock, begin: float) -> Clock:

@@ -21,12 +21,16 @@ from psp_model.law.cooperation import (
     cooperative_command,
     model_spacing,
 )
+from psp_model.law.extended import DrivenLeader, ExtendedLaw
 from psp_model.law.feedback import feedback, feedback_towards
 from psp_model.law.following import followed_by
+from psp_model.sampling.exact import exact_period
+from psp_model.sampling.hold import Motion
+from psp_model.sampling.period import automated, lemma1_period, room
 
 MOST = 6
 EXPORTS = b"""
-#include "cooperation.h"
+#include "certificate.h"
 #define EXPORTED __attribute__((visibility("default")))
 static Constants constants;
 static Shape shape;
@@ -62,6 +66,12 @@ EXPORTED void spacings(int n, const double *s, const double *v, double *contact,
 EXPORTED void closing(int n, const double *s, double *closing)
 {
     closing_speeds(&cooperation, n, s, traffic.automated, closing);
+}
+EXPORTED void periods(int n, int driven, const double *s, const double *v, const double *a, double *found)
+{
+    found[0] = lemma1_period(&constants, &cooperation, driven, n, s, v, a);
+    found[1] = exact_period(&constants, &cooperation, driven, n, s, v, a);
+    found[2] = exact_period(&constants, NULL, driven, n, s, v, a);
 }
 EXPORTED void followed(int n, double *followed) { followed_by(n, traffic.automated, cooperation.following, followed); }
 """
@@ -114,6 +124,11 @@ class InC:
     def closing(self, s: Any) -> Any:
         found = vector(np.zeros(len(s) + 1))
         self.library.closing(len(s) + 1, vector(s), found)
+        return np.array(found)
+
+    def periods(self, driven: bool, s: Any, v: Any, a: Any) -> Any:
+        found = vector(np.zeros(3))
+        self.library.periods(len(v), driven, vector(s), vector(v), vector(a), found)
         return np.array(found)
 
     def followed(self, n: int) -> Any:
@@ -195,6 +210,24 @@ def test_spacings_shares_and_who_is_followed_are_those_of_the_model(library: cty
         np.testing.assert_array_equal(here.closing(model), closing_speeds(model, cooperation, traffic.automated))
         automated = np.ones(n) if traffic.automated is None else traffic.automated
         np.testing.assert_array_equal(here.followed(n), followed_by(automated, cooperation.following))
+
+
+def test_certified_periods_are_those_of_the_model(library: ctypes.CDLL) -> None:
+    rng = np.random.default_rng(5)
+    constants = PlatoonParameters()
+    for _ in range(1000):
+        n, by_itself = int(rng.integers(1, MOST + 1)), bool(rng.random() < 0.5)
+        cooperation = random_cooperation(rng, n)
+        s, v = random_vehicles(rng, n, cooperation, constants.L)
+        a = rng.choice([0.0, 1.0], n, p=[0.2, 0.8]) * rng.normal(0, 3, n)
+        leader = DrivenLeader(20.0, 1.0) if by_itself else None
+        law = ExtendedLaw(V_OLD, constants, cooperation, leader)
+        here = InC(library, constants, V_OLD, cooperation, Traffic())
+        moving, foreign = Motion(0.0, s, v), automated(law, v)
+        lemma1 = lemma1_period(law, moving, a)
+        exact = exact_period(room(law, s), v, a, constants, foreign)
+        plain = exact_period(s, v, a, constants, foreign)
+        np.testing.assert_array_equal(here.periods(by_itself, s, v, a), [lemma1, exact, plain])
 
 
 @pytest.mark.parametrize("n", [2, 3, MOST])
