@@ -50,7 +50,9 @@ static double travelled(const Vehicle *of, double t)
         ride_steadily(of->v, of->a, t, &speed, &first);
         return first;
     }
-    psp_uninterrupted(of->speed, of->begins, of->a_min, of->lag, fmin(t - of->dead_time, of->braked), &speed, &then);
+    const double braking = fmin(t - of->dead_time, of->braked);
+    if (of->lag > 0.0) psp_uninterrupted(of->speed, of->begins, of->a_min, of->lag, braking, &speed, &then);
+    else psp_unstopped_at_once(of->speed, of->a_min, braking, &speed, &then);
     return of->first + then;
 }
 

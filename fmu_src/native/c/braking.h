@@ -2,6 +2,8 @@
 #ifndef PSP_BRAKING_H
 #define PSP_BRAKING_H
 
+#include "names.h"
+
 #define BRAKE_MARGIN_MOST 12.0 /* [m/s2] as in psp_model/vehicles/braking.py */
 
 /* Vehicles that keep their accelerations for a dead time and then brake to standstill. */

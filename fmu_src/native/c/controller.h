@@ -65,7 +65,7 @@ typedef struct {
 /* Room for a decision: there is none on a stack for many vehicles. */
 typedef struct {
     double a_measured[PSP_N], a_known[PSP_N], a_foreign[PSP_N]; /* of vehicles that drive themselves */
-    double spacing[PSP_N], contact[PSP_N], speed[PSP_N], before[PSP_N], foreign[PSP_N], wanted[PSP_N], gathered[PSP_N];
+    double spacing[PSP_N], contact[PSP_N], speed[PSP_N], before[PSP_N], foreign[PSP_N], wanted[PSP_N];
     double behind_s[PSP_N + 1], behind_v[PSP_N + 1];
     int32_t places[PSP_N];
     Ahead ahead;

@@ -29,7 +29,6 @@ static void ask_the_law(const Settings *settings, const Seen *seen, const Actuat
                         Command *now, Work *work)
 {
     const int n = seen->n;
-    const Places moved = {work->places, work->gathered};
     const bool others = before->remembered > 0 && before->remembered != n;
     Basis *basis = &now->basis;
     Foreign drivers = {seen->automated, work->a_foreign}, *foreign = NULL;
@@ -40,7 +39,7 @@ static void ask_the_law(const Settings *settings, const Seen *seen, const Actuat
         accelerations(&now->watched, n, work->a_measured, work->a_known, work->a_foreign);
     }
     const Predicted predicted = {basis->s_predicted, basis->v_predicted, basis->a_predicted};
-    const Issued known = {issued, others ? &moved : NULL, &settings->actuation, settings->oldest, settings->lags};
+    const Issued known = {issued, others ? work->places : NULL, &settings->actuation, settings->oldest, settings->lags};
     predict(&known, n, basis->s, basis->v, seen->age, foreign, &predicted, &work->ahead);
     const Traffic traffic = {
         .automated = seen->automated,
