@@ -49,11 +49,11 @@ command passed by a master late, but within the period, has the same effect as w
 motion at the beginning of the current period. With masters that exchange values between steps only, use a
 communication step of T/4 and give the controller <code>phase</code> = T/2.</p>
 <p>A command is cut at <code>a_min</code> and <code>a_max</code>; <code>actuation_delay</code> after the beginning of
-its period it takes effect through a first-order lag with the time constant <code>actuator_lag</code>. The motion between
-is exact, so that it is independent of the communication step. With the start values there is neither dead time nor lag
-nor limit. A vehicle with <code>automated</code> = 0 drives itself: it has its <code>a</code> at once, and where it is
-automated again its actuator begins with that. Vehicles do not reverse: one that brakes to standstill stands until its
-acceleration is above 0. Spacings are front to front and may have any size above 0 at the start; a
+its period it takes effect through a first-order lag with the time constant <code>actuator_lag</code>. The motion in
+between is exact, so that it is independent of the communication step. With the start values there is neither dead
+time nor lag nor limit. A vehicle with <code>automated</code> = 0 drives itself: it has its <code>a</code> at once,
+and where it is automated again its actuator begins with that. Vehicles do not reverse: one that brakes to standstill
+stands until its acceleration is above 0. Spacings are front to front and may have any size above 0 at the start; a
 <code>clearance</code> of 0 or less means contact, after which vehicles drive on as if there were none.</p>""",
 }
 
