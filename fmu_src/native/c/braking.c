@@ -75,8 +75,9 @@ static double bound_at(const Pair *pair, const Look *at)
 static bool can_be_passed_over(const Pair *pair, const Look *from, const Look *to, double least)
 {
     const double slack = ROUNDING * (1.0 + fabs(to->needed));
-    if (pair->foreign) return psp_hardest(to->needed + slack, pair->ahead.v, from->t) > least + ROUNDING;
-    return from->ahead > to->needed + slack;
+    if (!pair->foreign) return from->ahead > to->needed + slack;
+    const double bound = psp_hardest(to->needed + slack, pair->ahead.v, from->t);
+    return bound > least + ROUNDING || bound == BRAKE_MARGIN_MOST;
 }
 
 /* The least of the bounds at the instants between two, and of `least`. */

@@ -106,7 +106,7 @@ static void command_plainly(const Settings *settings, const Seen *seen, Command 
     now->T_max = seen->v_desired < 0.0 ? feedback(c, &now->shape, n, s, v, now->a)
                                        : feedback_towards(c, &now->shape, n, s, v, seen->v_desired, now->a);
     if (limit(settings, n, now)) now->T_max = largest_period(c, n, s, v, now->a);
-    now->T_exact = exact_period(c, NULL, false, n, s, v, now->a);
+    if (settings->certificate == CERTIFICATE_EXACT) now->T_exact = exact_period(c, NULL, false, n, s, v, now->a);
 }
 
 void command_regularly(const Settings *settings, const Seen *seen, const Actuators *issued, const Command *before,
