@@ -31,6 +31,7 @@ _OWN_SOURCES = {  # of each component, by the name of the header that defines an
         "platoon_backend.c",
         "platoon_clock.c",
         "platoon_derivatives.c",
+        "platoon_law.c",
         "platoon_lemma1.c",
         "platoon_membership.c",
         "platoon_restore.c",
