@@ -22,7 +22,7 @@ from psp_model.installed.extras import BRINGS, require
 
 MOST_VEHICLES = 10_000
 COMPONENTS = ["platoon", "controller", "plant", "leader"]
-CONTROLLED = ("platoon", "controller")  # components with networks, and with a native runtime
+CONTROLLED = ("platoon", "controller")  # components with networks
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def parse(arguments: list[str] | None) -> Options:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--vehicles", type=int, default=7, metavar="N", help="most vehicles, at least 2 (7)")
     text = "platoon: the closed loop, whose vehicles may join and leave; controller: for other vehicles; "
-    text += "plant: ideal vehicles; leader: a speed profile (platoon)"
+    text += "plant: vehicles to control; leader: a speed profile (platoon)"
     parser.add_argument("--component", choices=COMPONENTS, default="platoon", help=text)
     parser.add_argument("--output", type=Path, default=Path("dist"), metavar="DIR", help="folder to write to (dist)")
     parser.add_argument("--runtime", choices=["python", "native"], default="python", help="of the FMU (python)")
@@ -96,15 +96,13 @@ def build_native(options: Options, networks: Mapping[int, NetworkFile]) -> Path:
     Raises
     ------
     MissingExtra : where what builds the native FMU is missing
-    BuildError : where there is no native FMU
     """
-    if options.component not in CONTROLLED:
-        raise BuildError(f"--component {options.component} has no native runtime: leave --runtime native out")
     require("a native FMU", "native", BRINGS["native"])
-    from fmu_src.native.build import build_native_fmu, chosen_platforms, native_controller, native_platoon
+    from fmu_src.native.build import build_native_fmu, chosen_platforms
+    from fmu_src.native.components import native_fmu
 
-    describe = native_platoon if options.component == "platoon" else native_controller
-    return build_native_fmu(describe(options.vehicles, networks), options.output, chosen_platforms(options.platforms))
+    fmu = native_fmu(options.component, options.vehicles, networks, options.profile)
+    return build_native_fmu(fmu, options.output, chosen_platforms(options.platforms))
 
 
 def build(options: Options, networks: Mapping[int, NetworkFile]) -> Path:

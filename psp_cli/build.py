@@ -20,7 +20,7 @@ def build(
     ] = "host",
     component: Annotated[
         Literal["platoon", "controller", "plant", "leader"],
-        typer.Option(help="The closed loop; for traffic: the controller, ideal vehicles, a leader's speed."),
+        typer.Option(help="The closed loop; for traffic: the controller, vehicles, a leader's speed."),
     ] = "platoon",
     network: Network = None,
     profile: Annotated[

@@ -37,6 +37,7 @@ from .vehicles.delayed import DelayedVehicles
 from .vehicles.ideal import IdealPlant
 from .vehicles.leader import Profile, Wave, read_profile
 from .vehicles.road_law import RoadLaw, Seen
+from .vehicles.road_plant import RoadPlant
 
 __all__ = [
     "BEST_FIXED",
@@ -76,6 +77,7 @@ __all__ = [
     "Refusal",
     "Request",
     "RoadLaw",
+    "RoadPlant",
     "Run",
     "Runs",
     "SampledController",

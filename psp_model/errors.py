@@ -38,6 +38,8 @@ SENTENCES = {
     "length": "length[%d] = %.10g m must be positive: give vehicle %d a length above 0 m",
     "command_limits": "a_min[%d] = %.10g m/s2 must be negative and a_max[%d] = %.10g m/s2 positive: a vehicle has to "
     "be able to brake and to accelerate",
+    "dead_time": "actuation_delay = %.10g s must not exceed %d periods of T = %.10g s, as every command on its way is "
+    "remembered: lower actuation_delay or raise T",
     "older": "what is measured is %.10g s old, more than oldest = %.10g s, for which commands are remembered: raise "
     "oldest, or measure more often",
     "T": "T = %.10g s must be positive: it is the sampling period, give it a time above 0 s",

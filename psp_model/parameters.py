@@ -14,6 +14,7 @@ Struct = TypeVar("Struct")
 HILL_WIDTH = 3.0  # [m] the paper's convention: the hill spans [r, r + 3 m]
 ALPHA_MIN, ALPHA_MAX = 1e-3, 1e-1  # [1] paper, feasible set
 P_MIN, P_MAX = 3.0, 9.0  # [1] paper, feasible set
+NO_LIMIT = 1000.0  # [m/s2] a bound on commands that stands for none; importers do not like infinity
 
 
 @dataclass(frozen=True)

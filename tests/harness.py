@@ -84,8 +84,8 @@ class Instance:
         return self.slave.getReal([self.fmu.reference[name] for name in names])
 
     def group(self, name: str) -> list[float]:
-        """All of x, v, a or s, in the order of the vehicles."""
-        first = 2 if name == "s" else 1
+        """All of x, v, a, s and their like, in the order of the vehicles."""
+        first = 2 if name in ("s", "clearance") else 1
         return self.get(*(f"{name}[{i}]" for i in range(first, self.fmu.vehicles + 1)))
 
     def outputs(self) -> list[float]:

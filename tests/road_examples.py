@@ -17,7 +17,9 @@ from psp_model import (
     Errors,
     ExtendedLaw,
     PlatoonParameters,
+    PlatoonState,
     RoadLaw,
+    RoadPlant,
     Seen,
     Traffic,
     brake_margin,
@@ -59,6 +61,20 @@ def delayed() -> Any:
     return made.advance(made.begin(3.0, *PAIR), np.array([1.0, 0.0, -2.0]), 0.01)[0]
 
 
+def road_plant(actuation: Actuation) -> RoadPlant:
+    """Vehicles of several lengths on their way, the first of which drives itself."""
+    made = RoadPlant.begin(PlatoonState(*PAIR, x_leader=3.0), 0.01, actuation, [5.0, 12.0, 4.5])
+    return made.advanced_to(3, np.array([1.0, 0.5, -2.0]), [0.0, 1.0, 1.0])
+
+
+def driven_on(made: RoadPlant) -> list[Any]:
+    """What a plant does with further commands, and what is seen of it."""
+    made = made.advanced_to(made.period + 2, np.array([-1.0, 2.0, 0.0])).advanced_to(
+        made.period + 400, np.full(3, -9.0)
+    )
+    return [made.now, made.period, made.positions(), made.clearances(), made.accelerations()]
+
+
 def remembered() -> Remembered:
     """The memory of a law for the road after two sampling instants."""
     return ROAD_LAW.sample(ROAD_LAW.sample(None, SEEN)[0], SEEN)[0]
@@ -96,6 +112,8 @@ ROAD_EXAMPLES: dict[str, Example] = {
     "ExtendedLaw": (lambda: EXTENDED_LAW, lambda made: made.decide(made.decide(None, *PAIR)[0], *PAIR)),
     "Engaged": (lambda: EXTENDED_LAW.decide(None, *PAIR)[0], lambda made: EXTENDED_LAW.decide(made, *PAIR)),
     "RoadLaw": (lambda: ROAD_LAW, lambda made: made.sample(remembered(), SEEN)),
+    "RoadPlant": (lambda: road_plant(Actuation(0.033, np.array([0.0, 0.1, 0.3]), -8.0, 4.0)), driven_on),
+    "RoadPlant, ideal": (lambda: road_plant(Actuation()), driven_on),
     "Sensing": (lambda: Sensing(1, 0.1, 0.05, seed=3), lambda made: road_run(made, 3)),
     "RoadRun": (lambda: road_run(Sensing(), 2), lambda made: (made.touched, made.gain(2, 0), made)),
 }

@@ -76,6 +76,7 @@
 
 /* native FMUs */
 #define native_make_ready PSP_NAME(native_make_ready)
+#define native_size PSP_NAME(native_size)
 #define native_start_values PSP_NAME(native_start_values)
 #define part_initialise PSP_NAME(part_initialise)
 #define part_changed PSP_NAME(part_changed)
@@ -108,9 +109,11 @@
 #define locate PSP_NAME(locate)
 #define printable PSP_NAME(printable)
 #define finite_or_log PSP_NAME(finite_or_log)
+#define finite_element PSP_NAME(finite_element)
 #define finite_triple PSP_NAME(finite_triple)
 #define read_choice PSP_NAME(read_choice)
 #define read_period PSP_NAME(read_period)
+#define check_start PSP_NAME(check_start)
 #define read_constants PSP_NAME(read_constants)
 #define read_weights PSP_NAME(read_weights)
 #define read_request PSP_NAME(read_request)
@@ -144,9 +147,28 @@
 #define trial_find_gap PSP_NAME(trial_find_gap)
 #define trial_take_out PSP_NAME(trial_take_out)
 
+/* vehicles that act late and softly */
+#define actuators_rows PSP_NAME(actuators_rows)
+#define actuators_begin PSP_NAME(actuators_begin)
+#define actuators_ring PSP_NAME(actuators_ring)
+#define actuators_can_be PSP_NAME(actuators_can_be)
+#define actuators_command PSP_NAME(actuators_command)
+#define actuators_last PSP_NAME(actuators_last)
+#define actuators_drive PSP_NAME(actuators_drive)
+#define actuators_foresee PSP_NAME(actuators_foresee)
+#define actuators_settle PSP_NAME(actuators_settle)
+#define ride_steadily PSP_NAME(ride_steadily)
+#define first_stop PSP_NAME(first_stop)
+
 /* the controller */
 #define read_settings PSP_NAME(read_settings)
 #define nothing_decided PSP_NAME(nothing_decided)
 #define decide PSP_NAME(decide)
+
+/* the plant */
+#define plant_begin PSP_NAME(plant_begin)
+#define plant_take_vehicles PSP_NAME(plant_take_vehicles)
+#define plant_advance PSP_NAME(plant_advance)
+#define plant_acceleration PSP_NAME(plant_acceleration)
 
 #endif

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from psp_model.controller import NO_LIMIT, PREDICTED_AGE, ControllerSettings
+from psp_model.controller import PREDICTED_AGE, ControllerSettings
 from psp_model.law.cooperation import Cooperation
+from psp_model.parameters import NO_LIMIT
 
 from .platoon import platoon_table
 from .variables import Variable

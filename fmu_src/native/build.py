@@ -21,12 +21,26 @@ from .kernels import kernels_header
 from .tables import model_header, network_header, table_header
 
 PLATFORMS = ("linux64", "win64", "darwin64")
-_ALONE = "needs nothing but itself"
+ALONE = "needs nothing but itself"
 NEEDS = "Needs nothing from outside.  sources/ holds the C sources; `fmpy compile` builds them for other platforms."
 _CAPABILITIES = ("canNotUseMemoryManagementFunctions", "canGetAndSetFMUstate", "canSerializeFMUstate")
 _HERE = Path(__file__).parent
-_OWN_SOURCES = {  # of each component, by the name of the header that defines an instance; the others are shared
+_OF_THE_LAW = (
+    "certificate.c",
+    "certificate.h",
+    "choice.c",
+    "cooperation.c",
+    "cooperation.h",
+    "feasible.c",
+    "motion.c",
+    "network.c",
+    "parameters.c",
+    "slope.h",
+)
+_OF_ACTUATORS = ("actuation.c", "actuation.h")
+_OWN_SOURCES = {  # of each component, by the header that defines an instance; all have what is not listed
     "platoon_model.h": (
+        *_OF_THE_LAW,
         "platoon.h",
         "platoon_backend.c",
         "platoon_clock.c",
@@ -40,12 +54,23 @@ _OWN_SOURCES = {  # of each component, by the name of the header that defines an
         "platoon_trial.h",
     ),
     "controller_model.h": (
+        *_OF_THE_LAW,
+        *_OF_ACTUATORS,
         "controller.h",
         "controller_backend.c",
         "controller_restore.c",
         "controller_sample.c",
         "controller_settings.c",
     ),
+    "plant_model.h": (
+        *_OF_ACTUATORS,
+        "plant.h",
+        "plant_backend.c",
+        "plant_motion.c",
+        "plant_restore.c",
+        "plant_settings.c",
+    ),
+    "leader_model.h": ("leader_backend.c",),
 }
 
 
@@ -59,10 +84,11 @@ class NativeFmu:
     header : in c/, defines an instance
     vehicles : n
     table : its variables
-    networks : that go into it, by number of vehicles
+    networks : that go into it, by number of vehicles; none into a plant or a leader
     notes : paragraphs of its page
     capabilities : attributes of CoSimulation that are true
     more : further files, content by name
+    headers : further C headers that only this component has, text by name
     """
 
     name: str
@@ -74,6 +100,7 @@ class NativeFmu:
     notes: tuple[str, ...]
     capabilities: tuple[str, ...] = _CAPABILITIES
     more: Mapping[str, bytes] = field(default_factory=dict)
+    headers: Mapping[str, str] = field(default_factory=dict)
 
     def sources(self, guid: str) -> dict[str, bytes]:
         """All files that a C compiler needs besides FMI's headers, by file name.
@@ -82,16 +109,17 @@ class NativeFmu:
         ----------
         guid : of the FMU
         """
-        others = {name for own in _OWN_SOURCES for name in (own, *_OWN_SOURCES[own]) if own != self.header}
+        mine = {self.header, *_OWN_SOURCES[self.header]}  # several components may share a file
+        others = {name for own in _OWN_SOURCES for name in (own, *_OWN_SOURCES[own])} - mine
         found = {name: (SOURCES / name).read_bytes() for name in FRONT}
         found |= {p.name: p.read_bytes() for p in sorted((_HERE / "c").glob("*.[ch]")) if p.name not in others}
         generated = {
             "psp_kernels.h": kernels_header(),
             "psp_model.h": model_header(self.table, self.vehicles, guid, self.networks, self.header),
-            "psp_network.h": network_header(self.networks),
             "psp_prefix.h": prefix_header(self.name),
             "psp_table.h": table_header(self.table),
         }
+        generated |= {"psp_network.h": network_header(self.networks)} if "network.c" in found else self.headers
         return found | {name: text.encode() for name, text in generated.items()}
 
 
@@ -112,7 +140,7 @@ def native_platoon(vehicles: int, networks: Mapping[int, NetworkFile]) -> Native
     reader = networks[vehicles].reader if vehicles in networks else None
     return NativeFmu(
         name="PspPlatoonNative",
-        description=f"{platoon.DESCRIPTION}; {_ALONE}",
+        description=f"{platoon.DESCRIPTION}; {ALONE}",
         header="platoon_model.h",
         vehicles=vehicles,
         table=table,
@@ -134,7 +162,7 @@ def native_controller(capacity: int, networks: Mapping[int, NetworkFile]) -> Nat
     """
     return NativeFmu(
         name="PspControllerNative",
-        description=f"{controller.DESCRIPTION}; {_ALONE}",
+        description=f"{controller.DESCRIPTION}; {ALONE}",
         header="controller_model.h",
         vehicles=capacity,
         table=controller.controller_table(capacity, 1 if networks else 2),

@@ -26,8 +26,10 @@ from psp_model.sampling.exact import first_contact
 from psp_model.sampling.hold import advance, gaps_after, travelled
 from psp_model.sampling.lemma1 import period_bounds
 from psp_model.selection.feasible import cell_bound
+from psp_model.vehicles.leader import between, held_for, on_line
 
 from .scalar_c import Symbols, c_function
+from .vehicle_kernels import actuation_kernels
 
 _HEAD = """/* From psp_model by way of CasADi; fmu_src/native/kernels.py wrote it. */
 #ifndef PSP_KERNELS_H
@@ -136,13 +138,31 @@ def _motion_kernels() -> str:
     )
 
 
+def _leader_kernels() -> str:
+    high, low, cosine = of_wave = _symbols("high low cosine")
+    now, later, T = of_speeds = _symbols("now later T")
+    of_line = _symbols("time begin end first last")
+    return (
+        c_function("between", of_wave, [between(high, low, cosine)])
+        + c_function("on_line", of_line, [on_line(*of_line)])
+        + c_function("held_for", of_speeds, [held_for(now, later, T)])
+    )
+
+
 def kernels_header() -> str:
-    """psp_kernels.h: potential, law, Lemma 1, motion and objective of single spacings and vehicles.
+    """psp_kernels.h: potential, law, Lemma 1, motion, objective and actuators of single spacings and vehicles.
 
     Returns
     -------
     C source; the same for the same model and CasADi version
     """
-    law = (_potential_kernels(), _feedback_kernels(), _cooperation_kernels(), _certificate_kernels())
-    parts = (*law, _motion_kernels())
+    parts = (
+        _potential_kernels(),
+        _feedback_kernels(),
+        _cooperation_kernels(),
+        _certificate_kernels(),
+        _motion_kernels(),
+        actuation_kernels(),
+        _leader_kernels(),
+    )
     return _HEAD + "".join(parts) + "\n#endif\n"

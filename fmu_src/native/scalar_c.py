@@ -25,6 +25,7 @@ _OPERATIONS = {  # {0} and {1} are names or constants
     casadi.OP_NEG: "(-{0})",
     casadi.OP_LOG: "log({0})",
     casadi.OP_EXP: "exp({0})",
+    casadi.OP_EXPM1: "expm1({0})",
     casadi.OP_POW: "pow({0}, {1})",
     casadi.OP_CONSTPOW: "pow({0}, {1})",
     casadi.OP_SQRT: "sqrt({0})",

@@ -17,6 +17,7 @@ from psp_model.parameters import ALPHA_MAX, ALPHA_MIN, P_MAX, P_MIN, ObjectiveWe
 from psp_model.quantities import quantity_of
 from psp_model.selection.network import DICTIONARY, PARAMETERS, SCORES
 from psp_model.vehicles.braking import MOST
+from psp_model.vehicles.leader import Profile
 
 from ..errors import SENTENCES, BuildError
 from ..interface.meaning import variable_names
@@ -59,7 +60,8 @@ def model_header(
     component : header that says what an instance holds
     """
     integers = [place for place, variable in enumerate(table) if variable.integer]
-    if integers != list(range(integers[0], integers[0] + len(integers))):
+    first = integers[0] if integers else 0
+    if integers != list(range(first, first + len(integers))):
         raise ValueError("the Integer variables must stand together in the table")
     kinds = ["parameter", "input", "output"]
     if (causalities := [variable.causality for variable in table]) != sorted(causalities, key=kinds.index):
@@ -73,7 +75,7 @@ def model_header(
         "COMPONENT": _text(component),
         "NETWORK": int(bool(networks)),
     }
-    defines |= {"FIRST_INTEGER": f"{integers[0]}u", "INTEGER_COUNT": f"{len(integers)}u", "GUID": _text(guid)}
+    defines |= {"FIRST_INTEGER": f"{first}u", "INTEGER_COUNT": f"{len(integers)}u", "GUID": _text(guid)}
     defines |= {"ALPHA_MIN": ALPHA_MIN, "ALPHA_MAX": ALPHA_MAX, "P_MIN": P_MIN, "P_MAX": P_MAX}
     defines |= {"CLOSING_TIME": CLOSING_TIME, "HARDEST": MOST}
     for group, members in groupby(enumerate(table), lambda row: _group(row[1].name)):
@@ -104,6 +106,23 @@ def table_header(table: Sequence[Variable]) -> str:
     names = (_text(variable.name) for variable in table)
     lines = ['#include "psp_model.h"', "", *_array("static const double STARTS[PSP_FIRST_OUTPUT]", starts)]
     lines += _array("const char *const PSP_VARIABLE_NAMES[PSP_COUNT]", names)
+    return "/* Written by fmu_src/native/tables.py. */\n" + "\n".join([*lines, ""])
+
+
+def profile_header(profile: Profile | None) -> str:
+    """psp_profile.h: the rows of a speed profile, for the one file that includes it.
+
+    Parameters
+    ----------
+    profile : None where the leader drives a wave
+    """
+    columns = {} if profile is None else {"TIMES": profile.times, "SPEEDS": profile.speeds}
+    lines = [
+        f"#define PSP_PROFILE {0 if profile is None else len(profile.times)} /* rows; 0: there is no profile */",
+        "",
+    ]
+    for name, numbers in columns.items():
+        lines += _array(f"static const double PROFILE_{name}[PSP_PROFILE]", map(repr, map(float, numbers)))
     return "/* Written by fmu_src/native/tables.py. */\n" + "\n".join([*lines, ""])
 
 

@@ -65,13 +65,11 @@ def build_leader_fmu(vehicles: int, output: Path, profile: Path | None = None) -
     ------
     ModelError : if the profile is invalid
     """
-    description = f"{leader.DESCRIPTION}, steady or on a stop-and-go wave"
     config: dict[str, Any] = {"vehicles": vehicles}
     more = {}
     if profile is not None:
         read_profile(profile)
-        description = f"{leader.DESCRIPTION} who follows {profile.name}"
         config["profile"] = "profile.csv"
         more = {"resources/profile.csv": profile.read_bytes()}
-    table = leader.leader_table(profile is not None)
+    table, description = leader.leader_table(profile is not None), leader.description(profile.name if profile else None)
     return pack_slave("PspLeader", description, table, config, [], [NEEDS], output, more)

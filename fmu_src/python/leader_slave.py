@@ -1,8 +1,7 @@
-"""The pythonfmu slave `PspLeader`: a leader's speed, to be the controller's desired speed."""
+"""The pythonfmu slave `PspLeader`: a leader's speed, to be the controller's desired speed, or the first vehicle's."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import isfinite
@@ -11,7 +10,9 @@ from typing import Any
 
 from psp_model.errors import ModelError
 from psp_model.sampling.clock import Clock
-from psp_model.vehicles.leader import Profile, Wave, read_profile
+from psp_model.sampling.policy import Sampling
+from psp_model.validate import validate
+from psp_model.vehicles.leader import LeaderSpeed, Profile, Wave, held_for, read_profile
 
 from ..interface.leader import leader_table
 from ..interface.variables import Variable
@@ -23,21 +24,29 @@ _SECOND = 1.0  # [s] the period of its clock: it samples nothing, but meets whol
 
 
 @dataclass(frozen=True)
-class _Ready:
-    """What a state keeps of a leader: that there is one.
+class _Driving:
+    """A leader as the parameters say; a state keeps of it that there is one.
 
     Attributes
     ----------
-    speed : what the parameters say
+    leader : the speed over the time since `begin`
+    begin : when that time is 0, since the start [s]
+    T : for how long an acceleration is held [s]
     """
 
-    speed: Callable[[float], float] = field(metadata=IN_MEMORY)
+    leader: LeaderSpeed = field(metadata=IN_MEMORY)
+    begin: float = field(metadata=IN_MEMORY)
+    T: float = field(metadata=IN_MEMORY)
+
+    def speed(self, time: float) -> float:
+        """Speed [m/s] at a time since the start [s]."""
+        return self.leader.speed(time - self.begin)
 
 
 class PspLeader(TableSlave):
     """A speed over time; see `Wave` and, with a file in the FMU, `Profile` in `psp_model.vehicles.leader`."""
 
-    _part: Callable[[float], float] | None
+    _part: _Driving | None
 
     def _make_table(self) -> tuple[Variable, ...]:
         return leader_table("profile" in self._config)
@@ -46,17 +55,20 @@ class PspLeader(TableSlave):
     def _profile(self) -> Profile:
         return read_profile(Path(self.resources) / self._config["profile"])
 
-    def _initialise(self) -> Callable[[float], float]:
-        """The speed [m/s] over the time since the start [s]."""
+    def _initialise(self) -> _Driving:
+        T = validate(Sampling(self._value("T"))).T
         if "profile" not in self._config:
-            return Wave(*(self._value(name) for name in ("v_high", "v_low", "begin", "period"))).speed
+            wave = Wave(*(self._value(name) for name in ("v_high", "v_low", "begin", "period")))
+            return _Driving(wave, 0.0, T)
         begin, profile = self._value("begin"), self._profile
         if not isfinite(begin):
             raise ModelError("finite", "begin", begin, "s")
-        return lambda time: profile.speed(time - begin)
+        return _Driving(profile, begin, T)
 
-    def _outputs(self, speed: Callable[[float], float]) -> list[float]:
-        return [speed((self._clock.period + self._clock.offset) * _SECOND)]
+    def _outputs(self, driving: _Driving) -> list[float]:
+        time = (self._clock.period + self._clock.offset) * _SECOND
+        now, later = driving.speed(time), driving.speed(time + driving.T)
+        return [now, held_for(now, later, driving.T)]
 
     @logged
     def do_step(self, current_time: float, step_size: float) -> bool:
@@ -66,12 +78,12 @@ class PspLeader(TableSlave):
 
     # the whole state: nothing but the time and what the parameters say
 
-    def _kept(self, speed: Callable[[float], float]) -> _Ready:
-        return _Ready(speed)
+    def _kept(self, driving: _Driving) -> _Driving:
+        return driving
 
-    def _taken_up(self, kept: _Ready) -> Callable[[float], float]:
-        return kept.speed
+    def _taken_up(self, kept: _Driving) -> _Driving:
+        return kept
 
-    def _restored(self, data: Any, here: Clock) -> _Ready:
+    def _restored(self, data: Any, here: Clock) -> _Driving:
         record(data, ())
-        return _Ready(self._initialise())  # raises where the parameters cannot have been taken
+        return self._initialise()  # raises where the parameters cannot have been taken

@@ -1,72 +1,107 @@
-"""The pythonfmu slave `PspPlant`: ideal vehicles to test a controller with."""
+"""The pythonfmu slave `PspPlant`: vehicles to test a controller with."""
 
 from __future__ import annotations
 
-from copy import copy
-from math import nextafter
-from sys import float_info
+from dataclasses import dataclass, field, replace
+from math import isfinite
 from typing import Any
 
-import numpy as np
-
 from psp_model.errors import ModelError
-from psp_model.parameters import PlatoonParameters
 from psp_model.sampling.clock import Clock
-from psp_model.sampling.hold import Motion
-from psp_model.sampling.policy import Sampling
-from psp_model.state import PlatoonState
-from psp_model.validate import validate
-from psp_model.vehicles.ideal import IdealPlant
+from psp_model.vehicles.actuation import Actuators
+from psp_model.vehicles.delayed import Delayed
+from psp_model.vehicles.road_plant import LONGEST_DEAD_TIME, RoadPlant
 
 from ..interface.plant import plant_table
+from ..interface.road import plant_of
 from ..interface.variables import Variable
+from .slave_state import IN_MEMORY
 from .state_check import count, number, record, require, vector
 from .table_slave import TableSlave, logged
 
-_LEAST, _MOST = nextafter(0.0, 1.0), float_info.max
+
+@dataclass(frozen=True, eq=False)
+class _Kept:
+    """What a state keeps of a plant.
+
+    Attributes
+    ----------
+    now, period : as the plant has them
+    plant : with what the parameters say
+    """
+
+    now: Delayed
+    period: int
+    plant: RoadPlant = field(metadata=IN_MEMORY)
 
 
 class PspPlant(TableSlave):
-    """n double integrators; see `psp_model.IdealPlant`."""
+    """n vehicles; see `psp_model.RoadPlant`."""
 
-    _part: IdealPlant | None
+    _part: RoadPlant | None
 
     def _make_table(self) -> tuple[Variable, ...]:
         return plant_table(self.vehicles)
 
-    def _initialise(self) -> IdealPlant:
-        n, free = self.vehicles, PlatoonParameters(L=_LEAST, v_max=_MOST)  # only order and forward motion are required
-        gaps, speeds = np.array(self._numbers("s_start", 2, n)), np.array(self._numbers("v_start", 1, n))
-        start = validate(PlatoonState(gaps, speeds, free, self._value("x_start")))
-        return IdealPlant.begin(start, validate(Sampling(self._value("T"))).T)
+    def _initialise(self) -> RoadPlant:
+        return plant_of(self._value, self.vehicles)
+
+    def _input(self, name: str, unit: str) -> list[float]:
+        """The values of an input of all vehicles, finite."""
+        values = self._numbers(name, 1, self.vehicles)
+        for i, value in enumerate(values, start=1):
+            if not isfinite(value):
+                raise ModelError("finite", f"{name}[{i}]", value, unit)
+        return values
 
     @logged
     def do_step(self, current_time: float, step_size: float) -> bool:
         self._require_here(current_time, step_size)
         plant = self._part
         assert plant is not None
-        a = np.array(self._numbers("a", 1, self.vehicles))
-        for i in np.flatnonzero(~np.isfinite(a)).tolist():
-            raise ModelError("finite", f"a[{i + 1}]", a[i], "m/s2")
+        a, automated = self._input("a", "m/s2"), self._input("automated", "1")
         self._clock = self._clock.after(current_time, step_size, plant.T)
-        self._part = plant.advanced_to(self._clock.at()[0], a)
+        self._part = plant.advanced_to(self._clock.at()[0], a, automated)
         self._stale = True
         return True
 
-    def _outputs(self, plant: IdealPlant) -> list[float]:
-        seen = plant.now
-        return [*seen.positions().tolist(), *seen.v.tolist(), *seen.s.tolist()]
+    def _outputs(self, plant: RoadPlant) -> list[float]:
+        now = plant.now
+        seen = (plant.positions(), now.v, now.s, plant.clearances(), plant.accelerations())
+        return [value for group in seen for value in group.tolist()]
 
     # the whole state
 
-    def _kept(self, plant: IdealPlant) -> IdealPlant:
-        return copy(plant)
+    def _kept(self, plant: RoadPlant) -> _Kept:
+        return _Kept(plant.now, plant.period, plant)
 
-    def _taken_up(self, kept: IdealPlant) -> IdealPlant:
-        return copy(kept)
+    def _taken_up(self, kept: _Kept) -> RoadPlant:
+        return replace(kept.plant, now=kept.now, period=kept.period)
 
-    def _restored(self, data: Any, here: Clock) -> IdealPlant:
-        plant, n = record(data, IdealPlant.__dataclass_fields__), self.vehicles
-        now, T, period = record(plant["now"], Motion._fields), number(plant["T"]), count(plant["period"])
-        require(T > 0.0 and abs(here.period - period) <= 2)
-        return IdealPlant(Motion(number(now["x"]), vector(now["s"], n - 1), vector(now["v"], n)), T, period)
+    def _restored(self, data: Any, here: Clock) -> _Kept:
+        kept, plant = record(data, ("now", "period")), self._initialise()
+        period = count(kept["period"])
+        require(abs(here.period - period) <= 2)
+        return _Kept(_moving(kept["now"], plant), period, plant)
+
+
+def _moving(data: Any, plant: RoadPlant) -> Delayed:
+    """Where the vehicles are and what their actuators do, every field checked."""
+    n, now = plant.now.v.size, record(data, Delayed._fields)
+    v = vector(now["v"], n)
+    require(bool((v >= 0.0).all()))
+    return Delayed(number(now["x"]), vector(now["s"], n - 1), v, _acting(now["actuators"], plant))
+
+
+def _acting(data: Any, plant: RoadPlant) -> Actuators:
+    n, kept = plant.now.v.size, record(data, Actuators._fields)
+    queue = kept["queue"]
+    require(isinstance(queue, list) and len(queue) <= (0 if plant.is_ideal else LONGEST_DEAD_TIME + 1))
+    found, before = [], 0.0
+    for row in queue:
+        require(isinstance(row, list) and len(row) == 2)
+        due = number(row[0])
+        require(before < due <= plant.actuation.actuation_delay)
+        found.append((due, vector(row[1], n)))
+        before = due
+    return Actuators(vector(kept["a"], n), vector(kept["command"], n), tuple(found))

@@ -4,10 +4,9 @@ from .deciding import Decision, Verdict, decide
 from .decision import Basis, Command, followed_of, is_certified, margin_of, no_command
 from .measurement import Measurement
 from .sampled import SampledController
-from .settings import NO_LIMIT, PREDICTED_AGE, BadMeasurement, ControllerSettings
+from .settings import PREDICTED_AGE, BadMeasurement, ControllerSettings
 
 __all__ = [
-    "NO_LIMIT",
     "PREDICTED_AGE",
     "BadMeasurement",
     "Basis",

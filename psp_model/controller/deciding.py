@@ -26,6 +26,7 @@ from ..vehicles.prediction import Predicted, issue, nothing_issued
 from ..vehicles.road_law import Remembered, RoadLaw, Seen
 from .decision import Basis, Command, certified_period
 from .measurement import Measurement, drives_itself, in_order
+from .members import members_of
 from .settings import ControllerSettings
 
 Vector = NDArray[np.float64]
@@ -111,7 +112,7 @@ def _regular(
     """The bounded law for vehicles that are in order; `before` has the potential to use."""
     T, n, constants = settings.sampling.T, seen.v.size, settings.constants
     cooperation, actuation = settings.of(n)
-    memory = _members(settings, before.memory, seen.v)
+    memory = _members(settings, before, seen.s, seen.v)
     law = RoadLaw(before.shape, constants, cooperation, actuation, T, settings.oldest)
     watched, predicted, wanted = law.wanted(memory, seen)
     if seen.automated is not None:
@@ -142,14 +143,13 @@ def _regular(
     return Decision(now, Verdict.NOT_CERTIFIED, _violation(settings, time, now), warning)
 
 
-def _members(settings: ControllerSettings, memory: Remembered | None, v: Vector) -> Remembered:
-    """The memory for the vehicles there are now; a vehicle is known by its place."""
+def _members(settings: ControllerSettings, before: Command, s: Vector, v: Vector) -> Remembered:
+    """The memory for the vehicles there are now."""
+    memory = before.memory
     if memory is None:
         return Remembered(nothing_issued(v, settings.oldest))
     rows = memory.issued.actuators.a.shape[0]
-    if rows == v.size:
-        return memory
-    return rearranged(memory, [i if i < rows else None for i in range(v.size)], v)
+    return memory if rows == v.size else rearranged(memory, members_of(before.basis, rows, s, v), v)
 
 
 def _periods(
@@ -195,7 +195,7 @@ def _fail_safe(settings: ControllerSettings, before: Command, measured: Measurem
     seal(a, saturated)
     memory = None
     if settings.predicts:
-        issued = _members(settings, before.memory, measured.v[:active]).issued
+        issued = _members(settings, replace(before, basis=None), measured.s[: active - 1], measured.v[:active]).issued
         memory = Remembered(issue(issued, a[:active], T, settings.of(active)[1]))
     return replace(
         before,

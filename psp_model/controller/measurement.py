@@ -132,7 +132,7 @@ def _communicated(measured: Measurement, n: int) -> tuple[Vector | None, Vector 
     """Flags of automated vehicles, accelerations communicated and their flags, as `Seen` has them; ModelError else."""
     if measured.automated is None or (flags := measured.automated[:n]).min() == 1.0 == flags.max():
         return None, None, None
-    _require_finite("automated", "1", flags, flags == flags)
+    _require_finite("automated", "1", flags, np.ones(n, dtype=bool))
     drives = drives_itself(measured)[:n]
     if not drives.any():
         return None, None, None
@@ -148,8 +148,8 @@ def _communicated(measured: Measurement, n: int) -> tuple[Vector | None, Vector 
 
 
 def _require_finite(name: str, unit: str, values: Vector, used: NDArray[np.bool_]) -> None:
-    """Raise ModelError where a value that is used is not finite; a NaN is used in any case."""
-    for i in np.flatnonzero(~np.isfinite(values) & (used | np.isnan(values))).tolist():
+    """Raise ModelError where a value that is used is not finite."""
+    for i in np.flatnonzero(~np.isfinite(values) & used).tolist():
         raise ModelError("finite", f"{name}[{i + 1}]", values[i], unit)
 
 

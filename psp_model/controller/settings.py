@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..errors import ModelError
 from ..law.cooperation import Cooperation
-from ..parameters import Actuation, ObjectiveWeights, PlatoonParameters
+from ..parameters import NO_LIMIT, Actuation, ObjectiveWeights, PlatoonParameters
 from ..sampling.policy import Sampling
 from ..sampling.uncertain import Errors
 from ..selection.feasible import require_feasible
@@ -21,7 +21,6 @@ from ..validate import validate, validate_law
 
 Vector = NDArray[np.float64]
 
-NO_LIMIT = 1000.0  # [m/s2] a bound on the command that stands for none; importers do not like infinity
 PREDICTED_AGE = 1.0  # [s] what is measured is predicted from, if it is no older (ours)
 MOST_COMMANDS = 512  # so many commands on their way are remembered (ours)
 

@@ -26,6 +26,40 @@ class LeaderSpeed(Protocol):
         """
 
 
+def between(high: float, low: float, cosine: float) -> float:
+    """The speed on a wave where its cosine has some value (ours).
+
+    Parameters
+    ----------
+    high, low : speeds at its top and bottom [m/s]
+    cosine : from -1 to 1 [1]
+    """
+    return 0.5 * (high + low) + 0.5 * (high - low) * cosine
+
+
+def on_line(time: float, begin: float, end: float, first: float, last: float) -> float:
+    """The speed on a straight line at some time (ours).
+
+    Parameters
+    ----------
+    time : of the speed [s]
+    begin, end : of the line [s]
+    first, last : speeds there [m/s]
+    """
+    return first + (time - begin) / (end - begin) * (last - first)
+
+
+def held_for(now: float, later: float, T: float) -> float:
+    """The acceleration that, held for T, takes a vehicle from its speed now to the one later (ours).
+
+    Parameters
+    ----------
+    now, later : speeds [m/s]
+    T : time between them [s]
+    """
+    return (later - now) / T
+
+
 @dataclass(frozen=True)
 class Wave:
     """A cosine between two speeds after a while at the higher one (ours).
@@ -47,9 +81,10 @@ class Wave:
     period: float = 40.0
 
     def __post_init__(self) -> None:
-        for name, unit in (("high", "m/s"), ("low", "m/s"), ("begin", "s"), ("period", "s")):
-            if not isfinite(getattr(self, name)):
-                raise ModelError("finite", name, getattr(self, name), unit)
+        named = {"v_high": self.high, "v_low": self.low, "begin": self.begin, "period": self.period}
+        for name, value in named.items():
+            if not isfinite(value):
+                raise ModelError("finite", name, value, "m/s" if name.startswith("v") else "s")
         if self.low < 0:
             raise ModelError("wave_backwards", self.low)
         if self.low > self.high:
@@ -66,8 +101,8 @@ class Wave:
         """
         if time < self.begin:
             return self.high
-        middle, half = 0.5 * (self.high + self.low), 0.5 * (self.high - self.low)
-        return middle + half * cos(2 * pi * (time - self.begin) / self.period)
+        angle = 2 * pi * (time - self.begin) / self.period
+        return between(self.high, self.low, cos(angle) if isfinite(angle) else 1.0)  # beyond what can be counted
 
 
 @dataclass(frozen=True)
@@ -121,8 +156,7 @@ class Profile:
         k = bisect_right(times, time)
         if k in (0, len(times)):
             return speeds[0] if k == 0 else speeds[-1]
-        share = (time - times[k - 1]) / (times[k] - times[k - 1])
-        return speeds[k - 1] + share * (speeds[k] - speeds[k - 1])
+        return on_line(time, times[k - 1], times[k], speeds[k - 1], speeds[k])
 
 
 def read_profile(path: Path, v_max: float = PlatoonParameters.v_max) -> Profile:
@@ -143,6 +177,22 @@ def read_profile(path: Path, v_max: float = PlatoonParameters.v_max) -> Profile:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, ValueError) as error:
         raise ModelError("profile_file", path.name, getattr(error, "strerror", None) or "not UTF-8 text") from None
+    return profile_of(text, path.name, v_max)
+
+
+def profile_of(text: str, name: str = "profile", v_max: float = PlatoonParameters.v_max) -> Profile:
+    """A speed profile from the text of such a file.
+
+    Parameters
+    ----------
+    text : of the file
+    name : for messages
+    v_max : largest speed of the state space [m/s]
+
+    Raises
+    ------
+    ModelError : where it is not such a table
+    """
     lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1)]
     filled = [(number, line) for number, line in lines if line and not line.startswith("#")]
     rows = []
@@ -152,7 +202,7 @@ def read_profile(path: Path, v_max: float = PlatoonParameters.v_max) -> Profile:
         except ValueError:
             if place == 0:
                 continue  # the heading
-            raise ModelError("profile_line", number, path.name, line[:40]) from None
+            raise ModelError("profile_line", number, name, line[:40]) from None
         rows.append((time, speed))
-    found = Profile([time for time, _ in rows], [speed for _, speed in rows], path.name, v_max)
+    found = Profile([time for time, _ in rows], [speed for _, speed in rows], name, v_max)
     return replace(found, times=[time - found.times[0] for time in found.times])

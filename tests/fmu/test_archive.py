@@ -136,7 +136,6 @@ BAD_ARGUMENTS = [
     ["--network", "missing.onnx"],
     ["--component", "controller", "--network", "missing.onnx"],
     ["--output", "/dev/null/x"],
-    ["--component", "plant", "--runtime", "native"],
     ["--component", "plant", "--network", "onnx/platoon_7.onnx"],
 ]
 

@@ -9,32 +9,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from measured_late import T, changed, measured_before
 from psp_model import BEST_FIXED, Lemma1Policy, ModelError, PaperLaw, PlatoonState, Sampling, simulate
 from psp_model.law.cooperation import Cooperation
 from psp_model.parameters import Actuation
 from psp_model.sampling.hold import IDEAL, Motion
 from psp_model.vehicles.actuation import Foreign
 from psp_model.vehicles.delayed import Delayed, DelayedVehicles
-from psp_model.vehicles.membership import of_members, rearranged, taken
+from psp_model.vehicles.membership import rearranged
 from psp_model.vehicles.prediction import nothing_issued, predict
 from psp_model.vehicles.road_law import RoadLaw, Seen
 from strategies import CONSTANTS, paper_start
 
-T = 0.01
 AFTER = 60  # sampling periods
 VISCOUS = Cooperation(kappa=1.0)
-
-
-def measured_before(plant: DelayedVehicles, past: list[tuple[Delayed, Any]], age: float) -> Delayed:
-    """The plant `age` before the last of its sampling instants; before the first it has coasted."""
-    back = int(np.ceil(age / T - 1e-9))
-    rest = back * T - age
-    if back >= len(past):
-        vehicles, missing = past[0][0], age - (len(past) - 1) * T
-        _, s, v, actuators = vehicles
-        return Delayed(vehicles.x, s - missing * (v[:-1] - v[1:]), v, actuators)
-    vehicles, a = past[-1 - back]
-    return plant.advance(vehicles, a, rest)[0] if rest > 0 else vehicles
 
 
 def driven(law: RoadLaw, plant: DelayedVehicles, s: Any, v: Any, periods: int, age: float) -> list[tuple[Delayed, Any]]:
@@ -86,24 +74,6 @@ def test_a_pure_dead_time_only_begins_later(
         truth = IDEAL.advance(expected[number], a, since - number * T)[0]
         np.testing.assert_allclose(past[k + at][0].s, truth.s, atol=1e-9)
         np.testing.assert_allclose(past[k + at][0].v, truth.v, atol=1e-9)
-
-
-def positions(vehicles: Delayed) -> Any:
-    return np.subtract.accumulate(np.concatenate([[vehicles.x], vehicles.s]))
-
-
-def changed(past: list[tuple[Delayed, Any]], members: list[int | None], gap: float, speed: float) -> list[Any]:
-    """The past of another platoon: one that joins, `gap` behind the vehicle ahead of it, has coasted so far."""
-    here, after = positions(past[-1][0]), []
-    for back, (vehicles, a) in enumerate(reversed(past)):
-        x = positions(vehicles)
-        new = 0.0 if None not in members else here[members[members.index(None) - 1]] - gap - back * T * speed
-        x = np.array([new if one is None else x[one] for one in members])
-        v = np.array([speed if one is None else vehicles.v[one] for one in members])
-        actuators = of_members(vehicles.actuators, members)
-        command = None if a is None else taken(a, members)
-        after.append((Delayed(x[0], x[:-1] - x[1:], v, actuators), command))
-    return after[::-1]
 
 
 @settings(max_examples=15, deadline=None)

@@ -49,6 +49,8 @@ LIKE = {
     "v_desired": "v",
     "v_high": "v",
     "v_low": "v",
+    "clearance": "s",
+    "acceleration": "a",
     "a_safe": "a",
     "a_desired": "a",
     "brake_margin": "a",
@@ -129,7 +131,7 @@ def test_every_numbered_variable_is_a_quantity_or_a_flag() -> None:
     without = {name for name in numbered if name not in QUANTITIES and not name.endswith("_start")}
     without -= {name for name in without if name.endswith(("_measured", "_predicted"))}
     assert (
-        without == {"vehicle", "saturated", "automated", "a_known", "followed"}
+        without == {"vehicle", "saturated", "automated", "a_known", "followed", "clearance", "acceleration"}
         and {"x", "s", "v", "a", "s_start", "v_start"} <= numbered
     )
 

@@ -48,9 +48,21 @@ def native_controller_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
     return built("native", 7, tmp_path_factory.mktemp("native_controller"), "controller")
 
 
-@pytest.fixture(params=["native", "native_controller"])
+@pytest.fixture(scope="session")
+def native_plant_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
+    """PspPlantNative.fmu for 7 vehicles."""
+    return built("native", 7, tmp_path_factory.mktemp("native_plant"), "plant")
+
+
+@pytest.fixture(scope="session")
+def native_leader_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
+    """PspLeaderNative.fmu."""
+    return built("native", 7, tmp_path_factory.mktemp("native_leader"), "leader")
+
+
+@pytest.fixture(params=["native", "native_controller", "native_plant", "native_leader"])
 def each_native_fmu(request: pytest.FixtureRequest) -> Unpacked:
-    """The native closed loop and the native controller in turn."""
+    """Each of the native FMUs in turn."""
     return request.getfixturevalue(f"{request.param}_fmu")
 
 

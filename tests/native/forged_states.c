@@ -103,6 +103,24 @@ static void forge_at_random(fmi2Component c, const char *honest, size_t size, un
     free(forged);
 }
 
+/* Parameters of the component with which its state holds most. */
+static void prepare(fmi2Component c, int mode)
+{
+#ifdef PSP_parameter_source
+    const fmi2ValueReference source = PSP_parameter_source;
+    const int two = 2;
+    if (mode < 3) fmi2SetInteger(c, &source, 1, &two);
+#else
+    (void)mode;
+#endif
+#ifdef PSP_actuation_delay
+    const fmi2ValueReference delay = PSP_actuation_delay, lag = PSP_actuator_lag;
+    const double late = 0.033, soft = 0.1;
+    fmi2SetReal(c, &delay, 1, &late);
+    fmi2SetReal(c, &lag, 1, &soft);
+#endif
+}
+
 int main(int words, char **word)
 {
     fmi2Component c = fmi2Instantiate("forged", fmi2CoSimulation, PSP_GUID, NULL, &CALLBACKS, fmi2False, fmi2False);
@@ -111,11 +129,9 @@ int main(int words, char **word)
     for (int mode = 0; mode < 4 && c; mode++) { /* instantiated, initialization, at the start, in a run */
         fmi2FMUstate state = NULL;
         size_t size = 0;
-        const fmi2ValueReference source = PSP_parameter_source;
-        const int two = 2;
         fmi2Reset(c);
         fmi2SetupExperiment(c, fmi2False, 0.0, 2.0, fmi2False, 0.0);
-        if (mode < 3) fmi2SetInteger(c, &source, 1, &two);
+        prepare(c, mode);
         if (mode > 0) fmi2EnterInitializationMode(c);
         if (mode > 1) fmi2ExitInitializationMode(c);
         if (mode > 2) fmi2DoStep(c, 2.0, 0.053, fmi2True);

@@ -36,6 +36,7 @@ static Constants constants;
 static Shape shape;
 static Cooperation cooperation;
 static Traffic traffic;
+static int tightest;
 EXPORTED void told(const double *c, const double *h, const double *k, const double *length, const double *aims,
                    const double *automated, const double *a, const double *closing)
 {
@@ -70,9 +71,10 @@ EXPORTED void closing(int n, const double *s, double *closing)
 EXPORTED void periods(int n, int driven, const double *s, const double *v, const double *a, double *found)
 {
     found[0] = lemma1_period(&constants, &cooperation, driven, n, s, v, a);
-    found[1] = exact_period(&constants, &cooperation, driven, n, s, v, a);
-    found[2] = exact_period(&constants, NULL, driven, n, s, v, a);
+    found[1] = exact_period(&constants, &cooperation, driven, n, s, v, a, &tightest);
+    found[2] = exact_period(&constants, NULL, driven, n, s, v, a, &tightest);
 }
+EXPORTED void guess(int guessed) { tightest = guessed; }
 EXPORTED void followed(int n, double *followed) { followed_by(n, traffic.automated, cooperation.following, followed); }
 """
 
@@ -227,7 +229,9 @@ def test_certified_periods_are_those_of_the_model(library: ctypes.CDLL) -> None:
         lemma1 = lemma1_period(law, moving, a)
         exact = exact_period(room(law, s), v, a, constants, foreign)
         plain = exact_period(s, v, a, constants, foreign)
-        np.testing.assert_array_equal(here.periods(by_itself, s, v, a), [lemma1, exact, plain])
+        for guess in (-1, *range(2 * n), 1000):
+            library.guess(guess)
+            np.testing.assert_array_equal(here.periods(by_itself, s, v, a), [lemma1, exact, plain])
 
 
 @pytest.mark.parametrize("n", [2, 3, MOST])

@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from fmu_src.native import build
+from fmu_src.native.components import NATIVE, native_fmu
 from fmu_src.networks import networks_up_to
 from fmu_src.toolchain.compile import fmi_headers
 from harness import ERROR, OK, Instance, Unpacked
@@ -99,8 +99,7 @@ def test_less_than_a_header_is_refused_whatever_size_it_claims(instance, keep):
 
 def _compiled(component: str, folder: Path) -> Path:
     """forged_states.c with a native FMU, under the sanitizers that there are."""
-    make = build.native_platoon if component == "platoon" else build.native_controller
-    sources = make(4, networks_up_to(4)).sources("{forged}")
+    sources = native_fmu(component, 4, networks_up_to(4)).sources("{forged}")
     for name, content in (fmi_headers() | sources).items():
         (folder / name).write_bytes(content)
     shutil.copy(Path(__file__).parent / "forged_states.c", folder)
@@ -117,7 +116,7 @@ def _files(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.glob("*.c"))
 
 
-@pytest.mark.parametrize("component", ["platoon", "controller"])
+@pytest.mark.parametrize("component", NATIVE)
 def test_no_forged_state_of_a_native_fmu_does_harm(component, tmp_path):
     program = _compiled(component, tmp_path)
     ran = subprocess.run([str(program), str(os.getpid())], capture_output=True, text=True, check=False)
@@ -142,11 +141,11 @@ def _forged(value: Any) -> Iterator[Any]:
         yield from ([forged, *value[1:]] for forged in _forged(value[0]))
 
 
-@pytest.mark.parametrize("component", ["platoon", "controller", "plant", "leader"])
+@pytest.mark.parametrize("component", NATIVE)
 def test_no_forged_state_of_a_python_fmu_does_harm(component, tmp_path):
     fmu: Unpacked = built("python", 3, tmp_path, component)
     instance = Instance(fmu)
-    values = CHOSEN if component in ("platoon", "controller") else {}
+    values = {"plant": {"actuation_delay": 0.033, "actuator_lag[1]": 0.1}, "leader": {}}.get(component, CHOSEN)
     assert instance.initialise(values) == OK and instance.step(0.0, 0.053) == OK
     data = bytes(instance.slave.serializeFMUState(instance.slave.getFMUState()))
     assert take(instance, data) == OK

@@ -119,10 +119,11 @@ def test_a_broken_libpython_is_named(c_host, python_fmu):
 
 
 def test_a_native_fmu_runs_in_a_c_host_without_python(c_host, each_native_fmu):
-    ran = _run(c_host, each_native_fmu, {"PATH": "/nowhere"}, "a[4]", "T_max")
+    names = [v.name for v in each_native_fmu.description.modelVariables if v.causality == "output"][:12]
+    ran = _run(c_host, each_native_fmu, {"PATH": "/nowhere"}, *names)
     assert ran.returncode == 0 and ran.stderr == ""
     instance = Instance(each_native_fmu)
     assert instance.initialise() == OK
     assert all(instance.step(k * 0.01, 0.01) == OK for k in range(50))
-    assert [float(word) for word in ran.stdout.split()[-2:]] == instance.get("a[4]", "T_max")
+    assert [float(word) for word in ran.stdout.split()[-len(names) :]] == instance.get(*names)
     instance.close()

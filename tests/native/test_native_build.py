@@ -14,6 +14,7 @@ from zipfile import ZipFile
 import pytest
 
 from build_fmu import main as build
+from fmu_src.native.components import NATIVE
 from fmu_src.toolchain.compile import compile_library
 from harness import OK, Instance, Unpacked
 from native.fuzz import run as fuzzing
@@ -30,9 +31,9 @@ FUNCTIONS = {  # FMI 2.0 for co-simulation
 }
 
 
-@pytest.fixture(scope="module", params=["platoon", "controller"])
+@pytest.fixture(scope="module", params=NATIVE)
 def everywhere(request, tmp_path_factory) -> Path:
-    """PspPlatoonNative.fmu and PspControllerNative.fmu for all platforms."""
+    """Each native FMU for all platforms."""
     folder = tmp_path_factory.mktemp("all")
     options = ["--component", request.param, "--runtime", "native", "--platforms", "all"]
     assert build([*options, "--output", str(folder)]) == 0
@@ -44,8 +45,8 @@ def _sources(fmu: Unpacked) -> dict[str, bytes]:
 
 
 def test_two_builds_are_the_same_bytes(everywhere, tmp_path):
-    component = "controller" if "Controller" in everywhere.name else "platoon"
-    platforms = "host" if component == "controller" else "all"  # to save time: the compilers are the same
+    component = everywhere.name.removeprefix("Psp").removesuffix("Native.fmu").lower()
+    platforms = "all" if component == "platoon" else "host"  # to save time: the compilers are the same
     options = ["--component", component, "--runtime", "native", "--platforms", platforms]
     assert build([*options, "--output", str(tmp_path)]) == 0
     with ZipFile(tmp_path / everywhere.name) as again, ZipFile(everywhere) as first:
@@ -139,7 +140,7 @@ def _load_commands(part: bytes) -> list[int]:
 
 @pytest.mark.system("wine", "cc")
 def test_the_windows_library_gives_the_same_numbers_under_wine(
-    everywhere, native_fmu, native_controller_fmu, c_host, tmp_path
+    everywhere, native_fmu, native_controller_fmu, native_plant_fmu, native_leader_fmu, c_host, tmp_path
 ):
     wine = next(str(path) for name in WINES if (path := shutil.which(name)))
     source = (Path(__file__).parent / "c_host.c").read_bytes()
@@ -147,8 +148,10 @@ def test_the_windows_library_gives_the_same_numbers_under_wine(
     with ZipFile(everywhere) as archive:
         (tmp_path / "fmu.dll").write_bytes(archive.read(f"binaries/win64/{everywhere.stem}.dll"))
         guid = re.search(rb'guid="([^"]+)"', archive.read("modelDescription.xml"))[1].decode()
-    fmu = native_controller_fmu if "Controller" in everywhere.name else native_fmu
-    names = [name for name in ("s[2]", "s[7]", "v[3]", "a[4]", "T_max", "r", "x[7]", "J") if name in fmu.reference]
+    all_of_them = (native_fmu, native_controller_fmu, native_plant_fmu, native_leader_fmu)
+    fmu = next(fmu for fmu in all_of_them if fmu.path.name == everywhere.name)
+    wanted = ("s[2]", "s[7]", "v[3]", "a[4]", "T_max", "r", "x[7]", "J", "v", "a")
+    names = [name for name in wanted if name in fmu.reference]
     arguments = host_arguments(fmu, 0.01, 500, *names)
     environment = os.environ | {"WINEPREFIX": str(tmp_path / "wine"), "WINEDEBUG": "-all", "DISPLAY": ""}
     environment["WINEDLLOVERRIDES"] = "mscoree,mshtml="  # no questions about packages that are not needed
@@ -175,7 +178,7 @@ def compile_executable(source: bytes, folder: Path) -> Path:
 
 
 @pytest.mark.system("sanitizers")
-@pytest.mark.parametrize("component", ["platoon", "controller"])
+@pytest.mark.parametrize("component", NATIVE)
 def test_a_short_run_of_the_fuzzer_finds_nothing(component):
     ran = fuzzing.fuzz(seconds=7, component=component)
     assert ran.returncode == 0, ran.stderr[-3000:]

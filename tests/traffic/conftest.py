@@ -36,15 +36,39 @@ def controller_fmu(request: pytest.FixtureRequest) -> Unpacked:
 
 
 @pytest.fixture(scope="session")
-def plant_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
+def python_plant_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
     """PspPlant.fmu with 7 vehicles."""
     return _unpacked("plant", tmp_path_factory.mktemp("plant"))
 
 
 @pytest.fixture(scope="session")
-def leader_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
+def native_plant_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
+    """PspPlantNative.fmu with 7 vehicles."""
+    return _unpacked("plant", tmp_path_factory.mktemp("native_plant"), "native")
+
+
+@pytest.fixture(scope="session")
+def python_leader_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
     """PspLeader.fmu."""
     return _unpacked("leader", tmp_path_factory.mktemp("leader"))
+
+
+@pytest.fixture(scope="session")
+def native_leader_fmu(tmp_path_factory: pytest.TempPathFactory) -> Unpacked:
+    """PspLeaderNative.fmu."""
+    return _unpacked("leader", tmp_path_factory.mktemp("native_leader"), "native")
+
+
+@pytest.fixture(scope="session", params=["python", "native"])
+def plant_fmu(request: pytest.FixtureRequest) -> Unpacked:
+    """Each of the two plants in turn."""
+    return request.getfixturevalue(f"{request.param}_plant_fmu")
+
+
+@pytest.fixture(scope="session", params=["python", "native"])
+def leader_fmu(request: pytest.FixtureRequest) -> Unpacked:
+    """Each of the two leaders in turn."""
+    return request.getfixturevalue(f"{request.param}_leader_fmu")
 
 
 @pytest.fixture(scope="session")

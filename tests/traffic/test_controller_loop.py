@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from fmu_src.pack.ecosystem import write_cross_check
-from fmu_src.pack.ssp import SCENARIOS, parameters_of, write_loop
+from fmu_src.pack.loops import write_loop
+from fmu_src.pack.ssp import SCENARIOS, parameters_of
 from harness import ERROR, OK, random_start, starts
 from ssp_files import bound_parameters, steps_stated, system_files, valid_files
 
@@ -130,7 +131,8 @@ def test_cross_check_files_of_plant_and_leader(tmp_path, plant_fmu, leader_fmu):
     endings = ["PspPlant_in.csv", "PspPlant_ref.csv", "PspPlant_ref.opt", "PspLeader_ref.csv", "PspLeader_ref.opt"]
     assert names == endings  # a leader has no inputs
     header, *rows = (tmp_path / "PspPlant_in.csv").read_text().splitlines()
-    assert header.replace('"', "").split(",") == ["time", *(f"a[{i}]" for i in range(1, N + 1))]
+    inputs = [f"{name}[{i}]" for name in ("a", "automated") for i in range(1, N + 1)]
+    assert header.replace('"', "").split(",") == ["time", *inputs]
     assert [float(row.split(",")[0]) for row in rows] == [0.0, 20.0]
 
 

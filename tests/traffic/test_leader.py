@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from build_fmu import main as build
-from harness import ERROR, OK, Unpacked
+from harness import ERROR, OK, Instance, Unpacked
+from lives import life
 from psp_model import ModelError
 from psp_model.vehicles.leader import Profile, read_profile
 from psp_traffic.scenario import WLTC_HIGH
@@ -60,14 +61,22 @@ def test_a_file_that_cannot_be_read(tmp_path):
         read_profile(tmp_path / "binary.csv")
 
 
-@pytest.fixture(scope="module")
-def profile_fmu(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("profile")
+RUNTIMES = ["python", "native"]
+
+
+@pytest.fixture(scope="module", params=RUNTIMES)
+def profile_fmu(request, tmp_path_factory):
+    return profile_leader(request.param, tmp_path_factory.mktemp("profile"))
+
+
+def profile_leader(runtime, folder):
+    """The FMU that drives TIMES and SPEEDS, whose clock begins at 100 s."""
     rows = [f"{time},{speed}" for time, speed in zip(np.add(TIMES, 100.0), SPEEDS, strict=True)]
     (folder / "own.csv").write_text("\ufeff" + "\n".join(["time [s],speed [m/s]", *rows]), encoding="utf-8")
     arguments = ["--component", "leader", "--profile", str(folder / "own.csv"), "--output", str(folder)]
-    assert build(arguments) == 0
-    return Unpacked(folder / "PspLeader.fmu", folder / "unpacked")
+    assert build([*arguments, "--runtime", runtime]) == 0
+    (path,) = folder.glob("*.fmu")
+    return Unpacked(path, folder / "unpacked")
 
 
 def test_the_leader_fmu_drives_its_profile(instances, profile_fmu):
@@ -81,6 +90,102 @@ def test_the_leader_fmu_drives_its_profile(instances, profile_fmu):
     assert leader.call("fmi2Reset") == OK
     assert leader.initialise({"begin": float("nan")}) == ERROR
     assert "begin" in leader.messages[-1][1]
+    assert (profile_fmu.folder / "resources" / "profile.csv").read_text("utf-8-sig").startswith("time [s]")
+
+
+@pytest.mark.parametrize("T", [0.01, 0.3])
+def test_the_acceleration_held_for_T_gives_the_speeds_at_the_instants(instances, profile_fmu, leader_fmu, T):
+    wave = {"v_high": 30.0, "v_low": 14.0, "begin": 1.0, "period": 9.0}
+    for fmu, values in ((profile_fmu, {"begin": 1.5}), (leader_fmu, wave)):
+        leader = instances(fmu)
+        assert leader.initialise(values | {"T": T}) == OK
+        (driven,) = leader.get("v")
+        changed = 0
+        for k in range(round(12.0 / T)):
+            v, a = leader.get("v", "a")
+            assert driven == pytest.approx(v, rel=0, abs=1e-11)
+            driven += T * a
+            changed += abs(a) > 0.1
+            assert leader.step(k * T, T) == OK
+        assert changed > 6.0 / T / 2
+
+
+def good(rng):
+    low, high = sorted(rng.uniform(0.0, 35.0, 2))
+    drawn = {"v_low": low, "v_high": high, "begin": rng.uniform(-2.0, 2.0), "period": 10 ** rng.uniform(-2.0, 2.0)}
+    return drawn | {"T": float(rng.choice([0.01, 0.3, 2.0]))}
+
+
+def nothing(rng):
+    return {}
+
+
+def test_both_runtimes_live_the_same_life(python_leader_fmu, native_leader_fmu, tmp_path):
+    """Waves, and a profile, from which the same numbers come bit for bit."""
+    for seed in range(6):
+        one, other = (life(fmu, seed, good, nothing, 0.5 * seed, 0.4) for fmu in (python_leader_fmu, native_leader_fmu))
+        assert other.statuses == one.statuses and other.messages == one.messages == []
+        np.testing.assert_allclose(other.rows, one.rows, rtol=1e-12, atol=1e-11)
+        assert len(one.rows) > 30 and np.ptp(one.rows[:, 0]) > 0.1
+    driven = [profile_leader(runtime, _new(tmp_path, runtime)) for runtime in RUNTIMES]
+    for seed in range(6):
+        one, other = (
+            life(fmu, seed, lambda rng: {"begin": rng.uniform(-1.0, 2.0)}, nothing, 0.0, 0.4) for fmu in driven
+        )
+        assert other.statuses == one.statuses and other.rows.tolist() == one.rows.tolist()
+        assert np.ptp(one.rows[:, 0]) > 5.0
+
+
+def _new(folder, name):
+    (folder / name).mkdir()
+    return folder / name
+
+
+BAD = [
+    *({name: value} for name in ("T", "v_high", "v_low", "begin", "period") for value in (np.nan, np.inf, -np.inf)),
+    *({"T": value} for value in (0.0, -1.0)),
+    *({"period": value} for value in (0.0, -1.0)),
+    *({"v_low": -1e-9}, {"v_low": 31.0}, {"v_high": 29.0}),
+]
+
+
+def test_bad_values_are_refused_in_the_same_words(python_leader_fmu, native_leader_fmu):
+    said = []
+    for fmu in (python_leader_fmu, native_leader_fmu):
+        instance = Instance(fmu)
+        for values in BAD:
+            assert instance.initialise(values) == ERROR, values
+            assert next(iter(values)) in instance.messages[-1][1]
+            assert instance.call("fmi2Reset") == OK
+        said.append(instance.messages)
+        instance.close()
+    assert said[1] == said[0] and len(said[0]) == len(BAD)
+
+
+@pytest.mark.parametrize("values", [{"period": 5e-324}, {"begin": -1e308}, {"T": 1e300}, {"T": 5e-324}])
+def test_values_at_the_ends_of_doubles_give_numbers_or_one_sentence(instances, leader_fmu, values):
+    leader = instances(leader_fmu)
+    assert leader.initialise(values | {"v_low": 14.0}) == OK
+    assert leader.step(0.0, 20.0) == OK
+    assert 14.0 <= leader.get("v")[0] <= 30.0 and not leader.messages
+
+
+def test_a_profile_of_many_rows_is_found_in(tmp_path, instances):
+    rng = np.random.default_rng(0)
+    times, speeds = np.cumsum(rng.uniform(0.01, 0.4, 3000)), rng.uniform(0.0, 35.0, 3000)
+    times -= times[0]
+    (tmp_path / "long.csv").write_text(
+        "\n".join(f"{float(t)!r},{float(v)!r}" for t, v in zip(times, speeds, strict=True))
+    )
+    arguments = ["--profile", str(tmp_path / "long.csv"), "--output", str(tmp_path), "--runtime", "native"]
+    assert build(["--component", "leader", *arguments]) == 0
+    leader = instances(Unpacked(tmp_path / "PspLeaderNative.fmu", tmp_path / "unpacked"))
+    profile = read_profile(tmp_path / "long.csv")
+    assert leader.initialise() == OK
+    for k in range(2000):
+        time = 0.25 * k
+        assert leader.get("v") == [profile.speed(time)]
+        assert leader.step(time, 0.25) == OK
 
 
 def test_a_profile_belongs_to_the_leader(tmp_path, capsys):

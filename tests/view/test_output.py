@@ -163,7 +163,6 @@ def test_places_that_are_refused_before_any_work(
         "-n 1",
         "-n 10001",
         "--component plant --network any.onnx",
-        "--component plant --runtime native",
         "--profile speeds.csv",
         "--network none.onnx",
         "-o file/below",

@@ -12,7 +12,7 @@ const char *backend_guid(const char *resources, char *buffer, size_t size)
 
 static void put_back(Model *model)
 {
-    memset(model, 0, sizeof *model);
+    memset(model, 0, offsetof(Model, part) + PART_SIZE);
     native_start_values(model->values);
     model->stale = 1;
 }

@@ -6,18 +6,24 @@
 
 #include "native_model.h"
 
+size_t native_size(const Model *model)
+{
+    return offsetof(Model, part) + PART_SIZE + (model->ready ? PART_QUEUE(&model->part) : 0);
+}
+
 fmi2Status backend_get_state(Backend *backend, void **state)
 {
-    Model *copy = malloc(sizeof *copy);
+    const size_t size = native_size(&backend->model);
+    Model *copy = malloc(size);
     if (!copy) return front_fail(backend->front, "there is no memory left for another saved state: free some of them");
-    memcpy(copy, &backend->model, sizeof *copy);
+    memcpy(copy, &backend->model, size);
     *state = copy;
     return fmi2OK;
 }
 
 fmi2Status backend_set_state(Backend *backend, void *state)
 {
-    memcpy(&backend->model, state, sizeof backend->model);
+    memcpy(&backend->model, state, native_size(state));
     return fmi2OK;
 }
 
@@ -29,8 +35,8 @@ void backend_free_state(Backend *backend, void *state)
 
 fmi2Status backend_state_size(Backend *backend, void *state, size_t *size)
 {
-    (void)backend, (void)state;
-    *size = sizeof(Model);
+    (void)backend;
+    *size = native_size(state);
     return fmi2OK;
 }
 
@@ -77,25 +83,34 @@ static bool restore(Model *model, const Progress *progress)
     const bool begins = (progress->mode & (INSTANTIATED | INITIALIZATION)) != 0;
     if (!can_be_in(model, progress->mode) || !clock_can_be(&model->clock)) return false;
     if (begins && !(progress->time == model->clock.time && clock_is_fresh(&model->clock))) return false;
-    for (unsigned i = PSP_FIRST_INTEGER; i < PSP_FIRST_INTEGER + PSP_INTEGER_COUNT; i++) {
+    for (unsigned i = 0; i < PSP_FIRST_OUTPUT; i++) {
+        if (!native_is_integer(i)) continue;
         const double value = model->values[i];
         if (!(INT_MIN <= value && value <= INT_MAX && value == floor(value))) return false;
     }
     if (model->ready) return part_restore(model, progress);
-    memset(&model->part, 0, sizeof model->part); /* is made anew before anybody looks at it */
+    memset(&model->part, 0, PART_SIZE); /* is made anew before anybody looks at it */
     return true;
+}
+
+/* Whether so many bytes can be a model, and are as many as it says. */
+static bool has_size(const Model *model, size_t size)
+{
+    const int64_t rows = PART_ROWS(&model->part);
+    return is_flag(model->ready) && 0 <= rows && rows <= PART_MOST_ROWS && size == native_size(model);
 }
 
 fmi2Status backend_read_state(Backend *backend, const Progress *progress, const char *bytes, size_t size, void **state)
 {
-    if (size != sizeof(Model))
+    const size_t least = offsetof(Model, part) + PART_SIZE;
+    if (size < least || size > sizeof(Model))
         return front_fail(backend->front, "the saved state has %lu bytes, not the %lu of this FMU: save it again with "
-                                          "this very build", (unsigned long)size, (unsigned long)sizeof(Model));
-    Model *copy = malloc(sizeof *copy);
+                                          "this very build", (unsigned long)size, (unsigned long)least);
+    Model *copy = malloc(size);
     if (!copy) return front_fail(backend->front, "there is no memory left for another saved state: free some of them");
     memcpy(copy, bytes, size);
     *state = copy;
-    if (restore(copy, progress)) return fmi2OK;
+    if (has_size(copy, size) && restore(copy, progress)) return fmi2OK;
     free(copy);
     return front_refuse_state(backend->front);
 }

@@ -4,23 +4,6 @@
 
 #include <math.h>
 
-double printable(double value) { return isnan(value) ? (double)NAN : value; }
-
-bool finite_or_log(Front *front, const char *name, double value, const char *unit)
-{
-    if (isfinite(value)) return true;
-    front_log(front, fmi2Error, PSP_SENTENCE_finite, name, printable(value), unit);
-    return false;
-}
-
-bool read_period(Front *front, const double *read, double *T)
-{
-    *T = read[PSP_T];
-    if (!finite_or_log(front, "T", *T, "s")) return false;
-    REQUIRE(*T > 0.0, PSP_SENTENCE_T, *T);
-    return true;
-}
-
 /* With the lists of fields: a field from its variable, or from its variable_fixed; whether the field of `taken` is finite. */
 #define TAKE(field, variable, unit) .field = read[PSP_##variable],
 #define TAKE_FIXED(field, variable, unit) .field = read[PSP_##variable##_fixed],

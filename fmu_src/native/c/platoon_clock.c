@@ -38,7 +38,8 @@ bool platoon_sample(Platoon *platoon, Front *front, double since, fmi2Status sta
         now->T_max = feedback(&platoon->constants, &platoon->shape, (int)now->n, now->s, now->v, now->a);
         now->driven = 0;
     } else now->T_max = platoon_decide(platoon, since);
-    now->bound = platoon->certificate == CERTIFICATE_LEMMA1 ? now->T_max : platoon_exact(platoon);
+    int tightest = 0;
+    now->bound = platoon->certificate == CERTIFICATE_LEMMA1 ? now->T_max : platoon_exact(platoon, &tightest);
     const bool certified = now->bound > T;
     double span = 1.0;
     if (platoon->policy == POLICY_SHORTEN) {

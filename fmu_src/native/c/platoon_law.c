@@ -106,11 +106,11 @@ double platoon_decide(Platoon *platoon, double since)
     return lemma1_period(c, &platoon->cooperation, leader->driven, n, now->s, now->v, now->a);
 }
 
-double platoon_exact(const Platoon *platoon)
+double platoon_exact(const Platoon *platoon, int *tightest)
 {
     const Instant *now = &platoon->now;
     return exact_period(&platoon->constants, platoon->papers ? NULL : &platoon->cooperation, platoon->leader.driven,
-                        (int)now->n, now->s, now->v, now->a);
+                        (int)now->n, now->s, now->v, now->a, tightest);
 }
 
 bool platoon_take_leader(Platoon *platoon, Front *front, const double *values, bool here)

@@ -1,8 +1,6 @@
 /* What a platoon starts with: mirrors fmu_src/python/platoon_slave.py and the checks of psp_model/validate.py. */
 #include "platoon.h"
 
-#include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 static bool read_sampling(Front *front, const double *read, Platoon *platoon)
@@ -31,26 +29,6 @@ static bool read_join_margin(Front *front, const double *read, Platoon *platoon)
     return true;
 }
 
-static bool check_start(Front *front, const Request *request, const Constants *c, const double *length)
-{
-    char name[32];
-    if (!finite_or_log(front, "x_start", request->x, "m")) return false;
-    for (int i = 0; i < request->n - 1; i++) {
-        snprintf(name, sizeof name, "s_start[%d]", i + 2);
-        if (!finite_or_log(front, name, request->s[i], "m")) return false;
-        REQUIRE(request->s[i] > 0.0, PSP_SENTENCE_gap_order, i + 2, request->s[i], i + 2, i + 1);
-        if (length[i] == c->L) REQUIRE(request->s[i] > c->L, PSP_SENTENCE_gap, i + 2, request->s[i], c->L);
-        else REQUIRE(request->s[i] > length[i], PSP_SENTENCE_gap_length, i + 2, request->s[i], i + 1, length[i]);
-    }
-    for (int i = 0; i < request->n; i++) {
-        snprintf(name, sizeof name, "v_start[%d]", i + 1);
-        if (!finite_or_log(front, name, request->v[i], "m/s")) return false;
-        REQUIRE(request->v[i] >= 0.0, PSP_SENTENCE_speed_backwards, i + 1, request->v[i], c->v_max, i + 1);
-        REQUIRE(request->v[i] <= c->v_max, PSP_SENTENCE_speed, i + 1, request->v[i], c->v_max, i + 1);
-    }
-    return true;
-}
-
 bool platoon_read(Platoon *platoon, Front *front, const double *values, Request *request)
 {
     memset(platoon, 0, sizeof *platoon);
@@ -62,7 +40,8 @@ bool platoon_read(Platoon *platoon, Front *front, const double *values, Request 
         !read_sampling(front, values, platoon) ||
         !read_cooperation(front, values, &platoon->constants, request->n, &platoon->cooperation) ||
         !read_join_margin(front, values, platoon) ||
-        !check_start(front, request, &platoon->constants, platoon->cooperation.length) ||
+        !check_start(front, request->n, request->x, request->s, request->v, platoon->cooperation.length,
+                     platoon->constants.L, platoon->constants.v_max) ||
         !read_request(front, values, request))
         return false;
     if (!request->old && request->source != SOURCE_FIXED) { /* or a later change could find no potential at all */

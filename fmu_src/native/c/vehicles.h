@@ -75,13 +75,18 @@ double largest_period(const Constants *constants, int n, const double *s, const 
 void pass_time(const Weights *weights, Instant *at, double tau);
 double locate(double time, double T, double *fraction);
 
-/* parameters.c: a number as every C library prints it, without the sign of a NaN; sampling period, constants, weights and
- * the choice of the potential from the values of the variables, checked. */
+/* checks.c: a number as every C library prints it, without the sign of a NaN; a number, or one of an array, that has to be
+ * finite; the sampling period; the start of n vehicles. */
 double printable(double value);
 bool finite_or_log(Front *front, const char *name, double value, const char *unit);
+bool finite_element(Front *front, const char *name, int vehicle, double value, const char *unit);
+bool read_period(Front *front, const double *values, double *T);
+bool check_start(Front *front, int n, double x, const double *s, const double *v, const double *length, double L,
+                 double v_max);
+
+/* parameters.c: constants, weights and the choice of the potential from the values of the variables, checked. */
 bool finite_triple(Front *front, const Shape *shape);
 bool read_choice(Front *front, const char *name, double value, int low, int high, int *chosen); /* high < low: none */
-bool read_period(Front *front, const double *values, double *T);
 bool read_constants(Front *front, const double *values, Constants *constants);
 bool read_weights(Front *front, const double *values, Weights *weights);
 bool read_request(Front *front, const double *values, Request *request); /* leaves n, s, v and x alone */

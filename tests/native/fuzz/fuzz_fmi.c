@@ -86,9 +86,11 @@ static void variables(Session *session, fmi2Component c, int call)
     if (call == 1) fmi2GetInteger(c, vr, count, integers);
     if (call == 2) {
         for (size_t i = 0; i < count; i++) reals[i] = vr[i] == PSP_T ? 0.01 : number(session);
+#ifdef PSP_rollout_horizon
         for (size_t i = 0; i < count; i++) {
             if (vr[i] == PSP_rollout_horizon) reals[i] = 0.05;
         }
+#endif
         fmi2SetReal(c, vr, count, reals);
     }
     if (call == 3) {

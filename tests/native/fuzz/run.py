@@ -1,4 +1,4 @@
-"""Fuzzes a native FMU: python tests/native/fuzz/run.py SECONDS [JOBS [platoon|controller]]   (clang with libFuzzer)
+"""Fuzzes a native FMU: python tests/native/fuzz/run.py SECONDS [JOBS [COMPONENT]]   (clang with libFuzzer)
 
 Ten minutes on two cores: python tests/native/fuzz/run.py 600 2.  Inputs that fail lie in the folder named at the end.
 """
@@ -11,7 +11,7 @@ from pathlib import Path
 from shutil import which
 from tempfile import mkdtemp
 
-from fmu_src.native.build import native_controller, native_platoon
+from fmu_src.native.components import native_fmu
 from fmu_src.networks import networks_up_to
 from fmu_src.toolchain.compile import FMI_HEADERS
 
@@ -26,8 +26,7 @@ def compiler() -> str | None:
 
 def build(folder: Path, component: str, vehicles: int = 7) -> Path:
     """The fuzzer of a component for n vehicles."""
-    make = native_platoon if component == "platoon" else native_controller
-    sources = make(vehicles, networks_up_to(vehicles)).sources("{fuzz}")
+    sources = native_fmu(component, vehicles, networks_up_to(vehicles)).sources("{fuzz}")
     for name, content in sources.items():
         (folder / name).write_bytes(content)
     fuzzer = folder / "fuzz_fmi"

@@ -1,6 +1,7 @@
-/* Two native FMUs in one program, linked statically: each is found under its own prefix, as FMI 2.0 (2.1.1) has it.
+/* All native FMUs in one program, linked statically: each is found under its own prefix, as FMI 2.0 (2.1.1) has it.
  *
- * two_in_one GUID_1 GUID_2    every output of each FMU after each step, in hexadecimal: a line per step
+ * all_in_one [GUID FIRST COUNT]...    of each FMU, with the references of its outputs: every output of each FMU after each
+ *                                     step, in hexadecimal: a line per step
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,6 +14,8 @@
     X(prefix, Instantiate) X(prefix, SetupExperiment) X(prefix, EnterInitializationMode) X(prefix, FreeInstance)       \
     X(prefix, ExitInitializationMode) X(prefix, DoStep) X(prefix, GetReal) X(prefix, Terminate)
 FMU(DECLARE, PspControllerNative_)
+FMU(DECLARE, PspPlantNative_)
+FMU(DECLARE, PspLeaderNative_)
 
 typedef struct {
     fmi2InstantiateTYPE *Instantiate;
@@ -26,7 +29,14 @@ typedef struct {
 } Functions;
 
 #define ADDRESS(prefix, name) prefix##fmi2##name,
-static const Functions PLATOON = {FMU(ADDRESS, PspPlatoonNative_)}, CONTROLLER = {FMU(ADDRESS, PspControllerNative_)};
+static const Functions ALL[] = {
+    {FMU(ADDRESS, PspPlatoonNative_)},
+    {FMU(ADDRESS, PspControllerNative_)},
+    {FMU(ADDRESS, PspPlantNative_)},
+    {FMU(ADDRESS, PspLeaderNative_)},
+};
+
+enum { FMUS = sizeof ALL / sizeof *ALL };
 
 static void say(fmi2ComponentEnvironment e, fmi2String name, fmi2Status status, fmi2String category, fmi2String text, ...)
 {
@@ -63,16 +73,16 @@ static void step(const Functions *of, fmi2Component c, int k, int first, int cou
 int main(int count, char **words)
 {
     const fmi2CallbackFunctions callbacks = {say, calloc, free, NULL, NULL};
-    if (count < 7) return 1;
-    fmi2Component one = begin(&PLATOON, words[1], &callbacks), other = begin(&CONTROLLER, words[2], &callbacks);
+    fmi2Component made[FMUS];
+    if (count < 1 + 3 * FMUS) return 1;
+    for (int i = 0; i < FMUS; i++) made[i] = begin(&ALL[i], words[1 + 3 * i], &callbacks);
     for (int k = 0; k < 50; k++) {
-        step(&PLATOON, one, k, atoi(words[3]), atoi(words[4]));
-        step(&CONTROLLER, other, k, atoi(words[5]), atoi(words[6]));
+        for (int i = 0; i < FMUS; i++) step(&ALL[i], made[i], k, atoi(words[2 + 3 * i]), atoi(words[3 + 3 * i]));
         putchar('\n');
     }
-    must(PLATOON.Terminate(one));
-    must(CONTROLLER.Terminate(other));
-    PLATOON.FreeInstance(one);
-    CONTROLLER.FreeInstance(other);
+    for (int i = 0; i < FMUS; i++) {
+        must(ALL[i].Terminate(made[i]));
+        ALL[i].FreeInstance(made[i]);
+    }
     return 0;
 }

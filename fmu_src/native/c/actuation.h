@@ -1,0 +1,76 @@
+/* Vehicles that act late and softly: dead time, first-order lag, limits, standstill; mirrors
+ * psp_model/vehicles/actuation.py. */
+#ifndef PSP_ACTUATION_H
+#define PSP_ACTUATION_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "names.h"
+#include "psp_model.h" /* generated: PSP_N */
+
+#ifndef PSP_QUEUE
+#define PSP_QUEUE 512 /* most commands on their way at a time */
+#endif
+
+typedef struct {
+    double actuation_delay; /* [s] */
+    double actuator_lag[PSP_N], a_min[PSP_N], a_max[PSP_N];
+} Actuation;
+
+/* A command on its way. */
+typedef struct {
+    double due; /* time until it takes effect [s] */
+    double a[PSP_N];
+} OnItsWay;
+
+/* The state of all actuators.  It is the last member of what holds it: of the queue a saved state has the rows in use only,
+ * and nobody touches the others. */
+typedef struct {
+    double a[PSP_N], command[PSP_N];   /* accelerations given, commands in effect [m/s2] */
+    int64_t rows, first, count;        /* a ring of `rows` rows; of `count` commands the row of the first to take effect */
+    OnItsWay queue[PSP_QUEUE];
+} Actuators;
+
+/* Vehicles that drive themselves; as in psp_model.vehicles.actuation. */
+typedef struct {
+    const double *automated, *a;
+} Foreign;
+
+/* The rows that commands given every T need if each is on its way for `longest`; -1 for more than PSP_QUEUE, 0 for no time. */
+int64_t actuators_rows(double longest, double T);
+
+/* Actuators before the first command, with a ring of so many rows; the bytes of a saved state that belong to the ring. */
+void actuators_begin(Actuators *actuators, int64_t rows);
+size_t actuators_ring(const Actuators *actuators);
+
+/* Whether actuators that were read from bytes can be ones with a ring of so many rows. */
+bool actuators_can_be(const Actuators *actuators, int64_t rows);
+
+/* A command of n vehicles that takes effect in `due`, at once where the ring has no rows; false if there is no room. */
+bool actuators_command(Actuators *actuators, int n, const double *a, double due);
+
+/* The newest of the commands, in effect or on its way. */
+const double *actuators_last(const Actuators *actuators);
+
+/* n vehicles a time tau later: their speeds, what they have moved (written), and the actuators.  `foreign` is NULL where all
+ * are automated. */
+void actuators_drive(Actuators *actuators, const Actuation *actuation, int n, double tau, const Foreign *foreign, double *v,
+                     double *moved);
+
+/* The same from `wait` from now on, and nothing changes but v, moved and a: the accelerations that the actuators give then.
+ * Returned is the command in effect then. */
+const double *actuators_foresee(const Actuators *actuators, const Actuation *actuation, int n, double wait, double tau,
+                                const Foreign *foreign, double *v, double *moved, double *a);
+
+/* The actuators a time tau later; nothing but their own state counts. */
+void actuators_settle(Actuators *actuators, const Actuation *actuation, int n, double tau);
+
+/* One vehicle that keeps an acceleration, down to standstill; speed and distance after a time (`ride` without a lag). */
+void ride_steadily(double v, double a, double span, double *speed, double *moved);
+
+/* When the speed falls to 0, which it has at `low`. */
+double first_stop(double v, double a, double command, double lag, double low);
+
+#endif
