@@ -32,7 +32,7 @@ bool read_cooperation(Front *front, const double *values, const Constants *const
 bool read_leader(Front *front, const double *values, double v_max, Leader *leader);
 void platoon_settle(Platoon *platoon);
 double platoon_decide(Platoon *platoon, double since);
-double platoon_exact(const Platoon *platoon, int *tightest);
+double platoon_exact(const Platoon *platoon);
 bool platoon_take_leader(Platoon *platoon, Front *front, const double *values, bool here);
 
 /* platoon_start.c: constants, weights, sampling and start from the parameters, checked; the potential is not chosen. */

@@ -11,7 +11,7 @@ bool part_initialise(Backend *backend)
     Platoon *platoon = &part->platoon;
     Request request;
     const double *values = backend->model.values;
-    double *room = backend->scratch.instant.s;
+    double *room = backend->scratch.s;
     if (!platoon_read(platoon, backend->front, values, &request) ||
         !read_leader(backend->front, values, platoon->constants.v_max, &platoon->leader))
         return false;
@@ -67,7 +67,7 @@ fmi2Status backend_do_step(Backend *backend, double from, double size, double *r
         front_fail(backend->front, PSP_SENTENCE_periods, from + size - model->clock.first, platoon->T);
     } else {
         part->period = clock_at(&model->clock, &part->fraction);
-        status = platoon_advance(platoon, backend->front, part->period, part->fraction, &backend->scratch.instant);
+        status = platoon_advance(platoon, backend->front, part->period, part->fraction, &backend->scratch);
     }
     if (status == fmi2OK) return status;
     if (status == fmi2Discard) { /* the outputs then show the last instant that was in order */
@@ -104,7 +104,7 @@ bool part_put_out(Backend *backend, double *outputs)
 {
     const Part *part = &backend->model.part;
     const Platoon *platoon = &part->platoon;
-    const Instant *seen = platoon_observe(platoon, part->period, part->fraction, &backend->scratch.instant);
+    const Instant *seen = platoon_observe(platoon, part->period, part->fraction, &backend->scratch);
     if (seen->n == PSP_N) put_motion(seen, PSP_N, outputs);
     else put_motion(seen, (size_t)seen->n, outputs);
     outputs[AT(PSP_alpha)] = platoon->shape.alpha;
@@ -113,8 +113,7 @@ bool part_put_out(Backend *backend, double *outputs)
     outputs[AT(PSP_network_in_domain)] = part->in_domain;
     outputs[AT(PSP_T_max)] = platoon->now.T_max < LONGEST ? platoon->now.T_max : LONGEST;
     outputs[AT(PSP_lemma1_ok)] = platoon->now.T_max > platoon->T ? 1.0 : 0.0;
-    const double T_exact = platoon->certificate == CERTIFICATE_EXACT ? platoon->now.bound
-                                                                     : platoon_exact(platoon, &backend->scratch.tightest);
+    const double T_exact = platoon->certificate == CERTIFICATE_EXACT ? platoon->now.bound : platoon_exact(platoon);
     outputs[AT(PSP_T_exact)] = T_exact < LONGEST ? T_exact : LONGEST;
     outputs[AT(PSP_certified)] = platoon->now.bound > platoon->T ? 1.0 : 0.0;
     outputs[AT(PSP_lemma1_violations)] = (double)platoon->now.violations;

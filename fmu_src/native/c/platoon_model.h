@@ -23,12 +23,7 @@ typedef struct {
     Platoon platoon;
 } Part;
 
-/* Outputs between two sampling instants, as there is no room on a stack for many vehicles, and the gap or the speed that set
- * T_exact last. */
-typedef struct {
-    Instant instant;
-    int tightest;
-} Scratch;
+typedef Instant Scratch; /* outputs between two sampling instants: no room on a stack for many vehicles */
 
 /* platoon_membership.c: the members at the start, and whether they lie in the network's domain, with their gaps of which
  * the lengths ahead are taken for L; the changes whose triggers have risen, at the communication point: false on failure,
