@@ -36,6 +36,7 @@ _OF_THE_LAW = (
     "network.c",
     "parameters.c",
     "slope.h",
+    "speeds.h",
 )
 _OF_ACTUATORS = ("actuation.c", "actuation.h")
 _OWN_SOURCES = {  # of each component, by the header that defines an instance; all have what is not listed

@@ -8,64 +8,47 @@
 
 #include "psp_kernels.h"
 #include "slope.h"
+#include "speeds.h"
 
-static double smaller(double a, double b) { return b < a ? b : a; }
-
-/* `v_desired` below 0 stands for v_star; the least of the bounds that gaps and speeds set are put into `of_gaps` and
- * `of_speeds`. */
-static inline void feedback_of(const Constants *constants, const Shape *shape, int n, const double *restrict gaps,
-                               const double *restrict v, double v_desired, double *restrict a, double *of_gaps,
-                               double *of_speeds)
+/* `v_desired` below 0 stands for v_star. */
+static inline double feedback_of(const Constants *constants, const Shape *shape, int n, const double *restrict gaps,
+                                 const double *restrict v, double v_desired, double *restrict a)
 {
     const Constants c = *constants;
     const Shape h = *shape;
-    double slope_in_front = 0.0, gap_bound = INFINITY, speed_bound = INFINITY;
+    double slope_in_front = 0.0, least = INFINITY; /* the smallest gap sets the least of the gaps' bounds */
     for (int i = 0; i < n; i++) {
         double slope_behind = 0.0;
         if (i < n - 1) {
             const double s = gaps[i];
             slope_behind = slope_at(&c, &h, s);
-            gap_bound = smaller(gap_bound, psp_gap_bound(s, c.L, c.v_max));
+            least = smaller(least, s);
         }
         const double u = slope_in_front - slope_behind;
         a[i] = v_desired < 0.0 ? psp_command(u, v[i], c.v_star, c.v_max, c.epsilon, c.mu)
                                : psp_command_towards(u, v[i], v_desired, c.v_max, c.epsilon, c.mu);
-        speed_bound = smaller(speed_bound, psp_speed_bound(v[i], a[i], c.v_max));
         slope_in_front = slope_behind;
     }
-    *of_gaps = gap_bound;
-    *of_speeds = speed_bound;
-}
-
-double feedback_bounds(const Constants *constants, const Shape *shape, int n, const double *s, const double *v, double *a,
-                       double *of_speeds)
-{
-    double of_gaps;
-    if (n == PSP_N) feedback_of(constants, shape, PSP_N, s, v, -1.0, a, &of_gaps, of_speeds);
-    else feedback_of(constants, shape, n, s, v, -1.0, a, &of_gaps, of_speeds);
-    return smaller(of_gaps, *of_speeds);
+    return with_speeds(psp_gap_bound(least, c.L, c.v_max), c.v_max, 0, n, v, a);
 }
 
 double feedback(const Constants *constants, const Shape *shape, int n, const double *s, const double *v, double *a)
 {
-    double of_speeds;
-    return feedback_bounds(constants, shape, n, s, v, a, &of_speeds);
+    return n == PSP_N ? feedback_of(constants, shape, PSP_N, s, v, -1.0, a)
+                      : feedback_of(constants, shape, n, s, v, -1.0, a);
 }
 
 double feedback_towards(const Constants *constants, const Shape *shape, int n, const double *s, const double *v,
                         double v_desired, double *a)
 {
-    double of_gaps, of_speeds;
-    feedback_of(constants, shape, n, s, v, v_desired, a, &of_gaps, &of_speeds);
-    return smaller(of_gaps, of_speeds);
+    return feedback_of(constants, shape, n, s, v, v_desired, a);
 }
 
 double largest_period(const Constants *constants, int n, const double *s, const double *v, const double *a)
 {
-    double T_max = INFINITY;
-    for (int i = 0; i < n - 1; i++) T_max = smaller(T_max, psp_gap_bound(s[i], constants->L, constants->v_max));
-    for (int i = 0; i < n; i++) T_max = smaller(T_max, psp_speed_bound(v[i], a[i], constants->v_max));
-    return T_max;
+    double least = INFINITY;
+    for (int i = 0; i < n - 1; i++) least = smaller(least, s[i]);
+    return with_speeds(psp_gap_bound(least, constants->L, constants->v_max), constants->v_max, 0, n, v, a);
 }
 
 static inline void pass_time_of(const Weights *weights, int n, Instant *at, double tau)

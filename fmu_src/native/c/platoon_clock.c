@@ -35,8 +35,7 @@ bool platoon_sample(Platoon *platoon, Front *front, double since, fmi2Status sta
     const double T = platoon->T, last_bound = now->bound;
     if (!gaps_are_open(platoon, front, status)) return false;
     if (platoon->papers) {
-        now->T_max = feedback_bounds(&platoon->constants, &platoon->shape, (int)now->n, now->s, now->v, now->a,
-                                     &now->of_speeds);
+        now->T_max = feedback(&platoon->constants, &platoon->shape, (int)now->n, now->s, now->v, now->a);
         now->driven = 0;
     } else now->T_max = platoon_decide(platoon, since);
     now->bound = platoon->certificate == CERTIFICATE_LEMMA1 ? now->T_max : platoon_exact(platoon);

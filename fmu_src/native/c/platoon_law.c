@@ -103,16 +103,14 @@ double platoon_decide(Platoon *platoon, double since)
     cooperative_command(c, &platoon->shape, &platoon->cooperation, &traffic, n, now->s, now->v, now->a);
     if (leader->driven) now->a[0] = a;
     now->driven = leader->driven;
-    now->of_speeds = speed_period(c, leader->driven, n, now->v, now->a);
     return lemma1_period(c, &platoon->cooperation, leader->driven, n, now->s, now->v, now->a);
 }
 
 double platoon_exact(const Platoon *platoon)
 {
     const Instant *now = &platoon->now;
-    const Cooperation *lengths = platoon->papers ? NULL : &platoon->cooperation;
-    const double contact = contact_period(&platoon->constants, lengths, (int)now->n, now->s, now->v, now->a);
-    return contact < now->of_speeds ? contact : now->of_speeds;
+    return exact_period(&platoon->constants, platoon->papers ? NULL : &platoon->cooperation, now->driven != 0, (int)now->n,
+                        now->s, now->v, now->a);
 }
 
 bool platoon_take_leader(Platoon *platoon, Front *front, const double *values, bool here)

@@ -105,7 +105,5 @@ bool part_restore(Model *model, const Progress *progress)
         !can_be_members(&part->members, platoon->now.n) || (part->in_domain != 0.0 && part->in_domain != 1.0))
         return false;
     platoon_settle(platoon);
-    platoon->now.of_speeds = speed_period(&platoon->constants, platoon->leader.driven, (int)platoon->now.n, platoon->now.v,
-                                          platoon->now.a);
     return progress->mode != STEP_COMPLETE || can_be_here(part, progress, &model->clock);
 }

@@ -31,7 +31,6 @@ typedef struct {
     double fraction, span;         /* [sampling periods] */
     double x, T_max, cost_acceleration, cost_gaps;
     double bound;           /* what T has to be below, by the chosen certificate */
-    double of_speeds;       /* the least of the bounds that speeds set */
     int64_t driven;         /* whether a[0] is that of a leader that drives itself */
     double s[PSP_N - 1], v[PSP_N], a[PSP_N];
     double closing[PSP_N];  /* what closing up adds to the desired speeds; outputs do not look at it */
@@ -67,11 +66,9 @@ enum { POLICY_ERROR = 1, POLICY_WARN = 2, POLICY_SHORTEN = 3 }; /* the controlle
         }                                                                                                              \
     } while (0)
 
-/* motion.c: the accelerations of n vehicles, and T_max (returned), with the desired speed v_star or another one, also with
- * the least of the bounds that speeds set; T_max for given accelerations; what a time tau makes of an instant; time as whole periods and a fraction. */
+/* motion.c: the accelerations of n vehicles, and T_max (returned), with the desired speed v_star or another one; T_max
+ * for given accelerations; what a time tau makes of an instant; time as whole periods and a fraction. */
 double feedback(const Constants *constants, const Shape *shape, int n, const double *s, const double *v, double *a);
-double feedback_bounds(const Constants *constants, const Shape *shape, int n, const double *s, const double *v, double *a,
-                       double *of_speeds);
 double feedback_towards(const Constants *constants, const Shape *shape, int n, const double *s, const double *v,
                         double v_desired, double *a);
 double largest_period(const Constants *constants, int n, const double *s, const double *v, const double *a);
