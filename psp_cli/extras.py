@@ -44,10 +44,11 @@ def _mp4_without_ffmpeg(options: Mapping[str, Any]) -> bool:
 
 _NATIVE = ("casadi", "onnx", "ziglang")
 _ENGINE = ("casadi", "ziglang")
+_RUNTIME = Need("native", _NATIVE, "--runtime native", lambda options: options["runtime"] == "native")
 _PLOT = Need("report", ("matplotlib",), "--plot", _given("plot"))
 NEEDS: dict[str, tuple[Need, ...]] = {
-    "build": (Need("native", _NATIVE, "--runtime native", lambda options: options["runtime"] == "native"),),
-    "simulate": (_PLOT,),
+    "build": (_RUNTIME,),
+    "simulate": (_PLOT, _RUNTIME),
     "compare": (_PLOT,),
     "certify": (),
     "figures": (Need("report", ("matplotlib",)),),

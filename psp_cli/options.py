@@ -58,17 +58,13 @@ def gather(
     ------
     BadInput : where something is wrong
     """
-    from .quantities import MOST_VEHICLES, quantity
+    from .quantities import quantity
     from .scenario import Scenario, drawn, read_scenario
     from .settings import checked, split
 
     found = read_scenario(scenario) if scenario else Scenario()
     if vehicles is not None:
-        if not 2 <= vehicles <= MOST_VEHICLES:
-            few, remedy = (
-                ("few", "a platoon has at least 2") if vehicles < 2 else ("many", f"choose at most {MOST_VEHICLES}")
-            )
-            raise BadInput(f"{vehicles} vehicles are too {few}", remedy)
+        require_vehicles(vehicles)
         if scenario and vehicles != found.vehicles:
             raise BadInput(
                 f"--vehicles {vehicles} contradicts {scenario}, which has {found.vehicles}: change one of them"
@@ -84,6 +80,26 @@ def gather(
         found = replace(found, duration=time)
     require_countable(found)
     return found
+
+
+def require_vehicles(vehicles: int) -> None:
+    """Refuse a number of vehicles that makes no platoon.
+
+    Parameters
+    ----------
+    vehicles : n
+
+    Raises
+    ------
+    BadInput : where there are too few or too many
+    """
+    from .quantities import MOST_VEHICLES
+
+    if not 2 <= vehicles <= MOST_VEHICLES:
+        few, remedy = (
+            ("few", "a platoon has at least 2") if vehicles < 2 else ("many", f"choose at most {MOST_VEHICLES}")
+        )
+        raise BadInput(f"{vehicles} vehicles are too {few}", remedy)
 
 
 def require_countable(scenario: Scenario) -> None:

@@ -26,6 +26,8 @@ NEEDS = "Needs nothing from outside.  sources/ holds the C sources; `fmpy compil
 _CAPABILITIES = ("canNotUseMemoryManagementFunctions", "canGetAndSetFMUstate", "canSerializeFMUstate")
 _HERE = Path(__file__).parent
 _OF_THE_LAW = (
+    "braking.c",
+    "braking.h",
     "certificate.c",
     "certificate.h",
     "choice.c",
@@ -42,6 +44,7 @@ _OF_ACTUATORS = ("actuation.c", "actuation.h")
 _OWN_SOURCES = {  # of each component, by the header that defines an instance; all have what is not listed
     "platoon_model.h": (
         *_OF_THE_LAW,
+        *_OF_ACTUATORS,
         "platoon.h",
         "platoon_backend.c",
         "platoon_clock.c",
@@ -59,9 +62,17 @@ _OWN_SOURCES = {  # of each component, by the header that defines an instance; a
         *_OF_ACTUATORS,
         "controller.h",
         "controller_backend.c",
+        "controller_law.c",
+        "controller_margin.c",
+        "controller_measurement.c",
+        "controller_members.c",
         "controller_restore.c",
         "controller_sample.c",
         "controller_settings.c",
+        "prediction.c",
+        "prediction.h",
+        "uncertain.c",
+        "uncertain.h",
     ),
     "plant_model.h": (
         *_OF_ACTUATORS,

@@ -29,7 +29,7 @@ from psp_model.selection.feasible import cell_bound
 from psp_model.vehicles.leader import between, held_for, on_line
 
 from .scalar_c import Symbols, c_function
-from .vehicle_kernels import actuation_kernels
+from .vehicle_kernels import actuation_kernels, prediction_kernels, uncertain_kernels
 
 _HEAD = """/* From psp_model by way of CasADi; fmu_src/native/kernels.py wrote it. */
 #ifndef PSP_KERNELS_H
@@ -163,6 +163,8 @@ def kernels_header() -> str:
         _certificate_kernels(),
         _motion_kernels(),
         actuation_kernels(),
+        uncertain_kernels(),
+        prediction_kernels(),
         _leader_kernels(),
     )
     return _HEAD + "".join(parts) + "\n#endif\n"

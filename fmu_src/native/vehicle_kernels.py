@@ -1,4 +1,4 @@
-"""Kernels of vehicles that act late and softly, one vehicle at a time (psp_model/vehicles)."""
+"""Kernels of vehicles that act late and softly, of how they brake, and of what is certified for them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ from typing import Any
 
 import casadi
 
-from psp_model.parameters import Actuation, generic
+from psp_model.law.watching import nearer
+from psp_model.parameters import Actuation, PlatoonParameters, generic
+from psp_model.sampling.uncertain import Errors, contact_bound, spacing_bound, speed_bounds
 from psp_model.vehicles.actuation import (
     approached,
     faded,
@@ -18,6 +20,7 @@ from psp_model.vehicles.actuation import (
     unless_standing,
     unstopped,
 )
+from psp_model.vehicles.braking import hardest
 
 from .scalar_c import c_function
 
@@ -43,4 +46,25 @@ def actuation_kernels() -> str:
         + c_function("turning", [a, command, lag], [turning(a, command, lag)])
         + c_function("uninterrupted", ride, [*uninterrupted(*ride)])
         + c_function("nearer_stop", [*ride, low], [nearer_stop(v, a, command, lag, span, low)])
+    )
+
+
+def uncertain_kernels() -> str:
+    """Bounds on the sampling period of single spacings and single vehicles that are known within bounds."""
+    s, v, dv, da, most, least = _symbols("s v dv da most least")
+    error_s, error_v, L, v_max = _symbols("error_s error_v L v_max")
+    errors, constants = Errors(error_s, error_v), generic(PlatoonParameters, L=L, v_max=v_max)
+    faster, slower = speed_bounds(v, most, least, errors, constants)
+    return (
+        c_function("spacing_bound", [s, error_s, L, v_max], [spacing_bound(s, errors, constants)])
+        + c_function("contact_bound", [s, dv, da, error_s, error_v, L], [contact_bound(s, dv, da, errors, constants)])
+        + c_function("speeds_bound", [v, most, least, error_v, v_max], [casadi.fmin(faster, slower)])
+    )
+
+
+def prediction_kernels() -> str:
+    """What is remembered of others, and how hard a vehicle may brake."""
+    before, value, share, needed, v, t = _symbols("before value share needed v t")
+    return c_function("nearer", [before, value, share], [nearer(before, value, share)]) + c_function(
+        "hardest", [needed, v, t], [hardest(needed, v, t)]
     )

@@ -116,7 +116,7 @@ def _regular(
     law = RoadLaw(before.shape, constants, cooperation, actuation, T, settings.oldest)
     watched, predicted, wanted = law.wanted(memory, seen)
     if seen.automated is not None:
-        wanted = wanted * seen.automated
+        wanted = np.where(seen.automated > 0.5, wanted, 0.0)  # where vehicles all but touch it may be infinite
     a, saturated = np.zeros(settings.capacity), np.zeros(settings.capacity, dtype=bool)
     a[:n] = limited(wanted, actuation)
     saturated[:n] = a[:n] != wanted
@@ -147,7 +147,7 @@ def _members(settings: ControllerSettings, before: Command, s: Vector, v: Vector
     """The memory for the vehicles there are now."""
     memory = before.memory
     if memory is None:
-        return Remembered(nothing_issued(v, settings.oldest))
+        return Remembered(nothing_issued(np.zeros(v.size), settings.oldest))  # v may be no numbers
     rows = memory.issued.actuators.a.shape[0]
     return memory if rows == v.size else rearranged(memory, members_of(before.basis, rows, s, v), v)
 

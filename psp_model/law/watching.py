@@ -38,8 +38,19 @@ def watch(before: Watched | None, v: Array, wanted: Array, T: float) -> Watched:
     """
     if before is None:
         return Watched(v, 0.0 * v, 0.0 * v)
-    estimate = before.a + (1.0 - exp(-T / ESTIMATE_TIME)) * ((v - before.v) / T - before.a)
+    estimate = nearer(before.a, (v - before.v) / T, 1.0 - exp(-T / ESTIMATE_TIME))
     return Watched(v, estimate, engaged(before.closing, wanted, T))
+
+
+def nearer(before: Array, value: Array, share: float) -> Array:
+    """What follows a value with a share of the difference (ours).
+
+    Parameters
+    ----------
+    before, value : arrays of one unit
+    share : from 0 to 1 [1]
+    """
+    return before + share * (value - before)
 
 
 def engaged(before: Array, wanted: Array, T: float) -> Array:
@@ -55,7 +66,7 @@ def engaged(before: Array, wanted: Array, T: float) -> Array:
     -------
     (n, ...) array [m/s]
     """
-    return before + (1.0 - exp(-T / CLOSING_TIME)) * (wanted - before)
+    return nearer(before, wanted, 1.0 - exp(-T / CLOSING_TIME))
 
 
 def accelerations(watched: Watched, measured: Array | None, known: Array | None) -> Array:

@@ -51,8 +51,9 @@ def uncertain_period(
     is that of Lemma 1, bit for bit, in Omega
     """
     xp = array_namespace(v)
-    of_spacings = xp.maximum(s - errors.error_s - constants.L, 0.0) / constants.v_max
-    return smallest(xp.concat([of_spacings, *_of_speeds(v, a, errors, constants, a_before)]))
+    before = a if a_before is None else a_before
+    bounds = speed_bounds(v, xp.maximum(a, before), xp.minimum(a, before), errors, constants)
+    return smallest(xp.concat([spacing_bound(s, errors, constants), *bounds]))
 
 
 def uncertain_exact_period(
@@ -81,21 +82,59 @@ def uncertain_exact_period(
     xp = array_namespace(v)
     before = a if a_before is None else a_before
     most, least = xp.maximum(a, before), xp.minimum(a, before)
+    bounds = speed_bounds(v, most, least, errors, constants)
     if a_foreign is not None:
         most, least = most + a_foreign, least + a_foreign
+    return smallest(xp.concat([contact_bound(s, relative(v), least[:-1] - most[1:], errors, constants), *bounds]))
+
+
+def spacing_bound(s: Array, errors: Errors, constants: PlatoonParameters) -> Array:
+    """How long a spacing lasts whatever the vehicles do, at its smallest (ours).
+
+    Parameters
+    ----------
+    s : array, spacings [m]
+    errors, constants : as for `uncertain_period`
+
+    Returns
+    -------
+    array like s [s]
+    """
+    return array_namespace(s).maximum(s - errors.error_s - constants.L, 0.0) / constants.v_max
+
+
+def contact_bound(s: Array, dv: Array, da: Array, errors: Errors, constants: PlatoonParameters) -> Array:
+    """How long a spacing lasts under the worst accelerations, at its smallest and closing fastest (ours).
+
+    Parameters
+    ----------
+    s, dv, da : arrays, spacings [m], their rates of change [m/s], and the least that these change by [m/s2]
+    errors, constants : as for `uncertain_exact_period`
+
+    Returns
+    -------
+    array like s [s]
+    """
+    xp = array_namespace(s)
     room = xp.maximum(s - errors.error_s - constants.L, 0.0)
-    found = first_contact(room, relative(v) - 2.0 * errors.error_v, least[:-1] - most[1:])
-    of_spacings = xp.where(room > 0.0, found, 0.0)
-    return smallest(xp.concat([of_spacings, *_of_speeds(v, a, errors, constants, a_before)]))
+    return xp.where(room > 0.0, first_contact(room, dv - 2.0 * errors.error_v, da), 0.0)
 
 
-def _of_speeds(
-    v: Array, a: Array, errors: Errors, constants: PlatoonParameters, a_before: Array | None
+def speed_bounds(
+    v: Array, most: Array, least: Array, errors: Errors, constants: PlatoonParameters
 ) -> tuple[Array, Array]:
-    """How long speeds stay at most v_max, and at least 0, (n, ...) each [s]."""
+    """How long speeds stay at most v_max, and at least 0, in the worst case (ours).
+
+    Parameters
+    ----------
+    v, most, least : arrays, speeds [m/s], and the accelerations between which theirs are [m/s2]
+    errors, constants : as for `uncertain_period`
+
+    Returns
+    -------
+    faster, slower : arrays like v [s]
+    """
     xp = array_namespace(v)
-    before = a if a_before is None else a_before
-    most, least = xp.maximum(a, before), xp.minimum(a, before)
     up = xp.maximum(constants.v_max - (v + errors.error_v), 0.0)
     down = xp.maximum(v - errors.error_v, 0.0)
     faster = xp.where(most > 0.0, up / xp.where(most > 0.0, most, 1.0), np.inf)

@@ -28,7 +28,11 @@ ALL = {module for modules in BRINGS.values() for module in modules}
 # what each command does here; the last ones are a chain
 RUNS = {
     "build": ["build -n 2 -o built", "build -n 2 --runtime native -o built"],
-    "simulate": ["simulate platoon.fmu --duration 0.1 --csv run.csv --plot run.png"],
+    "simulate": [
+        "simulate platoon.fmu --duration 0.1 --csv run.csv --plot run.png",
+        "simulate --leader leader.csv -n 2 --duration 0.1 --plot behind.png",
+        "simulate --leader leader.csv -n 2 --duration 0.1 --runtime native",
+    ],
     "compare": ["compare --duration 0.1", "compare -n 3 --duration 0.1 --plot runs.png"],
     "certify": ["certify --start-only"],
     "figures": ["figures --only potentials --only runs -n 3 --duration 0.1"],
@@ -158,6 +162,7 @@ def workplace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("workplace")
     assert build_fmu.main(["--vehicles", "2", "--output", str(folder)]) == 0
     (folder / "PspPlatoon.fmu").rename(folder / "platoon.fmu")
+    (folder / "leader.csv").write_text("time,speed\n0,30\n1,29\n")
     return folder
 
 

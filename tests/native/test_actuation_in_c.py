@@ -12,6 +12,7 @@ from fmu_src.native import build
 from fmu_src.toolchain.compile import host_platform
 from psp_model.parameters import Actuation
 from psp_model.vehicles.actuation import Foreign, at_rest, commanded, drive, ride, settle
+from psp_model.vehicles.membership import of_members
 
 N, T = 7, 0.01
 EXPORTS = b"""
@@ -48,18 +49,23 @@ EXPORTED void drive_all(Actuators *all, const Actuation *actuation, int n, doubl
     Foreign made;
     actuators_drive(all, actuation, n, tau, others(automated, of_others, &made), v, moved);
 }
-EXPORTED void foresee(const Actuators *all, const Actuation *actuation, int n, double wait, double tau,
-                      const double *automated, const double *of_others, double *v, double *moved, double *a, double *c)
+EXPORTED void foresee(const Actuators *all, const int32_t *of, const Actuation *actuation, int n, double wait,
+                      double tau, const double *automated, const double *of_others, double *v, double *moved, double *a,
+                      double *c)
 {
     Foreign made;
+    double gathered[PSP_N];
+    const Places places = {of, gathered};
     const Foreign *foreign = others(automated, of_others, &made);
-    const double *then = actuators_foresee(all, actuation, n, wait, tau, foreign, v, moved, a);
+    const double *then = actuators_foresee(all, of ? &places : NULL, actuation, n, wait, tau, foreign, v,
+                                           moved, a);
     for (int i = 0; i < n; i++) c[i] = then[i];
 }
 EXPORTED void settle_all(Actuators *all, const Actuation *actuation, int n, double tau)
 {
     actuators_settle(all, actuation, n, tau);
 }
+EXPORTED void rearrange(Actuators *all, int n, const int32_t *places) { actuators_rearrange(all, n, places); }
 EXPORTED void steadily(double v, double a, double span, double *then, double *moved)
 {
     ride_steadily(v, a, span, then, moved);
@@ -84,6 +90,13 @@ def numbers(values: Any) -> Any:
     return None if values is None else np.array(values, dtype=np.float64).ctypes.data_as(ctypes.c_void_p)
 
 
+def places(members: list[int | None] | None) -> Any:
+    """Places before as C has them."""
+    if members is None:
+        return None
+    return (ctypes.c_int32 * len(members))(*(-1 if one is None else one for one in members))
+
+
 class InC:
     """Actuators in C with the functions of the model."""
 
@@ -106,17 +119,24 @@ class InC:
         )  # fmt: skip
         return then, moved
 
-    def foresee(self, v: Any, wait: float, tau: float, foreign: Foreign | None) -> list[Any]:
-        found = [np.array(v), *(np.full(self.n, np.nan) for _ in range(3))]
+    def foresee(
+        self, v: Any, wait: float, tau: float, foreign: Foreign | None, members: list[int | None] | None = None
+    ) -> list[Any]:
+        n = self.n if members is None else len(members)
+        found = [np.array(v), *(np.full(n, np.nan) for _ in range(3))]
         parts = (None, None) if foreign is None else (numbers(foreign.automated), numbers(foreign.a))
         self.library.foresee(
-            self.it, numbers(self.actuation), self.n, ctypes.c_double(wait), ctypes.c_double(tau), *parts,
+            self.it, places(members), numbers(self.actuation), n, ctypes.c_double(wait), ctypes.c_double(tau), *parts,
             *(one.ctypes.data_as(ctypes.c_void_p) for one in found),
         )  # fmt: skip
         return found
 
     def settle(self, tau: float) -> None:
         self.library.settle_all(self.it, numbers(self.actuation), self.n, ctypes.c_double(tau))
+
+    def rearrange(self, members: list[int | None]) -> None:
+        self.library.rearrange(self.it, len(members), places(members))
+        self.n = len(members)
 
     def read(self) -> list[Any]:
         found = [np.empty(self.n) for _ in range(3)]
@@ -179,6 +199,41 @@ def test_drives_and_predictions_are_those_of_the_model(library: ctypes.CDLL, kin
             stood, rode = stood + np.sum(v == 0.0), rode + np.sum(v > 0.0)
         mine.free()
     assert min(stood, rode) > 1000
+
+
+def other_members(rng: np.random.Generator, n: int) -> list[int | None]:
+    """The same vehicles but one, one more, fewer, or more."""
+    same: list[int | None] = list(range(n))
+    k = int(rng.integers(n + 1))
+    fewer, more = same[: max(k, 1)], same + [None] * (N - n)
+    one_less = same[:k] + same[k + 1 :] if n > 1 else same
+    return (one_less, [*same[:k], None, *same[k:]][:N], fewer, more)[rng.integers(4)]
+
+
+def test_actuators_of_other_vehicles_are_those_of_the_model(library: ctypes.CDLL) -> None:
+    rng = np.random.default_rng(7)
+    for _ in range(200):
+        n = int(rng.integers(1, N + 1))
+        actuation = Actuation(float(rng.choice([0.0, 3.7])) * T, 0.0, -5.0, 3.0)
+        mine, theirs = InC(library, library.rows(actuation.actuation_delay, T), actuation, n), at_rest(np.zeros(n))
+        for _ in range(6):
+            a = rng.normal(0.0, 3.0, n)
+            mine.command(a)
+            mine.settle(T)
+            theirs = settle(commanded(theirs, a, actuation), actuation, T)
+        members = other_members(rng, n)
+        others = of_members(theirs, members)
+        v = rng.uniform(0.0, 1.0, len(members))
+        then, moved, ahead = drive(v, settle(others, actuation, 0.5 * T), actuation, 2.5 * T)
+        found = mine.foresee(v, 0.5 * T, 2.5 * T, None, members)
+        mine.rearrange(members)
+        for one, other in zip(found, (then, moved, ahead.a, ahead.command), strict=True):
+            np.testing.assert_array_equal(one, other)
+        for one, other in zip(mine.read()[:2], (others.a, others.command), strict=True):
+            np.testing.assert_array_equal(one, other)
+        then, moved, _ = drive(v, others, actuation, 10.0 * T)
+        np.testing.assert_array_equal(mine.drive(v, 10.0 * T, None)[0], then)
+        mine.free()
 
 
 def test_rides_without_a_lag_are_those_of_the_model(library: ctypes.CDLL) -> None:

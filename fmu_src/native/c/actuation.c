@@ -73,23 +73,33 @@ const double *actuators_last(const Actuators *actuators)
 /* How far one has come through a time tau, in pieces with one command each. */
 typedef struct {
     const Actuators *of;
-    const double *command;      /* in effect */
-    int64_t next;               /* command on its way */
-    double passed, tau, now;    /* time since the rows were written, and in this time */
+    const Places *places;  /* or NULL */
+    const double *command; /* in effect */
+    int64_t next;          /* command on its way */
+    double passed, tau, now; /* time since the rows were written, and in this time */
     bool ended;
 } Pieces;
 
-static Pieces pieces(const Actuators *of, double tau)
+static Pieces pieces(const Actuators *of, const Places *places, double tau)
 {
-    const Pieces fresh = {of, of->command, 0, 0.0, tau, 0.0, false};
+    const Pieces fresh = {of, places, of->command, 0, 0.0, tau, 0.0, false};
     return fresh;
 }
 
 /* The same for another time from the end of this one on. */
 static Pieces pieces_after(const Pieces *before, double tau)
 {
-    const Pieces fresh = {before->of, before->command, before->next, before->passed + before->tau, tau, 0.0, false};
+    const double passed = before->passed + before->tau;
+    const Pieces fresh = {before->of, before->places, before->command, before->next, passed, tau, 0.0, false};
     return fresh;
+}
+
+/* Rows of other vehicles, those themselves where they are the same. */
+static const double *of_members(const double *values, const Places *places, int n)
+{
+    if (!places) return values;
+    for (int i = 0; i < n; i++) places->gathered[i] = places->of[i] < 0 ? 0.0 : values[places->of[i]];
+    return places->gathered;
 }
 
 /* The command of the next piece and its length; NULL at the end. */
@@ -249,7 +259,10 @@ static void drive(Pieces *all, const Actuation *actuation, int n, const Foreign 
     const Lags lags = lags_of(actuation, n);
     Told told = {actuation, foreign, NULL, n, 0.0};
     memset(moved, 0, (size_t)n * sizeof *moved);
-    while ((told.command = next_piece(all, &told.span))) ride(&told, lags, v, moved, a);
+    while ((told.command = next_piece(all, &told.span))) {
+        told.command = of_members(told.command, all->places, n);
+        ride(&told, lags, v, moved, a);
+    }
 }
 
 /* What the actuators alone do in the pieces. */
@@ -260,6 +273,8 @@ static void settle(Pieces *all, const Actuation *actuation, int n, double *a)
     double span;
     while ((command = next_piece(all, &span))) {
         double gone = 1.0, kept;
+        if (lags == NO_LAG && !all->ended) continue; /* the last command counts */
+        command = of_members(command, all->places, n);
         if (lags == ONE_LAG) psp_faded(lag[0], span, &gone, &kept);
         for (int i = 0; i < n; i++) {
             if (lags == LAGS && (i == 0 || lag[i] != lag[i - 1])) psp_faded(lag[i], span, &gone, &kept);
@@ -271,28 +286,46 @@ static void settle(Pieces *all, const Actuation *actuation, int n, double *a)
 void actuators_drive(Actuators *actuators, const Actuation *actuation, int n, double tau, const Foreign *foreign, double *v,
                      double *moved)
 {
-    Pieces all = pieces(actuators, tau);
+    Pieces all = pieces(actuators, NULL, tau);
     drive(&all, actuation, n, foreign, v, moved, actuators->a);
     leave_behind(actuators, &all);
 }
 
-const double *actuators_foresee(const Actuators *actuators, const Actuation *actuation, int n, double wait, double tau,
-                                const Foreign *foreign, double *v, double *moved, double *a)
+const double *actuators_foresee(const Actuators *actuators, const Places *places, const Actuation *actuation, int n,
+                                double wait, double tau, const Foreign *foreign, double *v, double *moved, double *a)
 {
-    Pieces all = pieces(actuators, 0.0);
-    memcpy(a, actuators->a, (size_t)n * sizeof *a);
+    Pieces all = pieces(actuators, places, wait > 0.0 ? wait : tau);
+    memcpy(a, of_members(actuators->a, places, n), (size_t)n * sizeof *a);
     if (wait > 0.0) {
-        all.tau = wait;
         settle(&all, actuation, n, a);
         all = pieces_after(&all, tau);
-    } else all.tau = tau;
+    }
     drive(&all, actuation, n, foreign, v, moved, a);
-    return all.command;
+    return of_members(all.command, places, n);
+}
+
+static void rearrange(double *rows, int n, const int32_t *places, bool backwards)
+{
+    for (int k = 0; k < n; k++) {
+        const int i = backwards ? n - 1 - k : k;
+        rows[i] = places[i] < 0 ? 0.0 : rows[places[i]];
+    }
+    for (int i = n; i < PSP_N; i++) rows[i] = 0.0;
+}
+
+void actuators_rearrange(Actuators *actuators, int n, const int32_t *places)
+{
+    bool backwards = false; /* no row may be overwritten before it has been taken */
+    for (int i = 0; i < n; i++) backwards = backwards || (0 <= places[i] && places[i] < i);
+    rearrange(actuators->a, n, places, backwards);
+    rearrange(actuators->command, n, places, backwards);
+    for (int64_t k = 0; k < actuators->count; k++)
+        rearrange(((OnItsWay *)row(actuators, k))->a, n, places, backwards);
 }
 
 void actuators_settle(Actuators *actuators, const Actuation *actuation, int n, double tau)
 {
-    Pieces all = pieces(actuators, tau);
+    Pieces all = pieces(actuators, NULL, tau);
     settle(&all, actuation, n, actuators->a);
     leave_behind(actuators, &all);
 }

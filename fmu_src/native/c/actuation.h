@@ -59,10 +59,20 @@ const double *actuators_last(const Actuators *actuators);
 void actuators_drive(Actuators *actuators, const Actuation *actuation, int n, double tau, const Foreign *foreign, double *v,
                      double *moved);
 
-/* The same from `wait` from now on, and nothing changes but v, moved and a: the accelerations that the actuators give then.
- * Returned is the command in effect then. */
-const double *actuators_foresee(const Actuators *actuators, const Actuation *actuation, int n, double wait, double tau,
-                                const Foreign *foreign, double *v, double *moved, double *a);
+/* Other vehicles: the place of each among those that the actuators are of, -1 for one that is new and whose actuator holds 0;
+ * places rise.  NULL stands for the same vehicles.  `gathered` has room for their commands. */
+typedef struct {
+    const int32_t *of;
+    double *gathered;
+} Places;
+
+/* What actuators_drive does from `wait` from now on; nothing changes but v, moved and a: the accelerations that the actuators
+ * give then.  Returned are the commands in effect then. */
+const double *actuators_foresee(const Actuators *actuators, const Places *places, const Actuation *actuation, int n,
+                                double wait, double tau, const Foreign *foreign, double *v, double *moved, double *a);
+
+/* The actuators of n other vehicles. */
+void actuators_rearrange(Actuators *actuators, int n, const int32_t *places);
 
 /* The actuators a time tau later; nothing but their own state counts. */
 void actuators_settle(Actuators *actuators, const Actuation *actuation, int n, double tau);

@@ -20,9 +20,10 @@ bool part_initialise(Backend *backend)
 {
     Part *part = &backend->model.part;
     Clock *clock = &backend->model.clock;
-    memset(part, 0, sizeof *part);
+    memset(part, 0, offsetof(Part, issued));
     if (!read_settings(backend->front, backend->model.values, &part->settings)) return false;
-    nothing_decided(&part->settings, &part->now);
+    actuators_begin(&part->issued, part->settings.rows);
+    nothing_decided(&part->settings, &part->commands[part->held]);
     clock_begin(clock, clock->time, part->settings.phase, part->settings.T);
     part->set_at = here(clock);
     part->fresh = true;
@@ -37,11 +38,11 @@ void part_changed(Backend *backend)
     part->set_at = here(&backend->model.clock);
 }
 
-/* Decides at the next sampling instant from the inputs as they are now, into the scratch. */
+/* Decides at the next sampling instant from the inputs as they are now, into the command that is not held. */
 static bool sample(Backend *backend)
 {
-    const Model *model = &backend->model;
-    const Part *part = &model->part;
+    Model *model = &backend->model;
+    Part *part = &model->part;
     const double *read = model->values;
     const double T = part->settings.T, time = clock_time_of(&model->clock, part->sampled, T);
     const double taken = read[PSP_t_measured];
@@ -54,8 +55,23 @@ static bool sample(Backend *backend)
         .age = age,
         .age_rounding = clock_age_rounding(&model->clock, age, T),
         .v_desired = read[PSP_v_desired],
+        .a_desired = read[PSP_a_desired],
+        .automated = read + PSP_automated,
+        .a_measured = read + PSP_a_measured,
+        .a_known = read + PSP_a_known,
     };
-    return decide(&part->settings, backend->front, time, &measured, &part->now, &backend->scratch);
+    return decide(&part->settings, backend->front, time, &measured, &part->issued, &part->commands[part->held],
+                  &part->commands[1 - part->held], &backend->scratch);
+}
+
+/* The decision is held from now on. */
+static void hold(Backend *backend)
+{
+    Part *part = &backend->model.part;
+    give_commands(&part->settings, &part->issued, &part->commands[part->held], &part->commands[1 - part->held],
+                  &backend->scratch);
+    part->held = 1 - part->held;
+    part->foreseen = false;
 }
 
 /* Where an instant behind another one of the step is refused: the step ends there, where newer inputs may come, and the
@@ -85,8 +101,7 @@ fmi2Status backend_do_step(Backend *backend, double from, double size, double *r
     model->stale = 1;
     for (; part->sampled < period + (fraction > 0.0); part->sampled++) { /* at the end newer inputs may come */
         if (!part->foreseen && !sample(backend)) return end_early(backend, from, reached);
-        part->now = part->foreseen ? part->ahead : backend->scratch.now;
-        part->foreseen = false;
+        hold(backend);
         backend->front->partly = true;
     }
     model->clock = clock;
@@ -99,21 +114,34 @@ static const Command *shown(Backend *backend)
 {
     Part *part = &backend->model.part;
     double fraction;
-    if (!part->fresh || part->sampled > clock_at(&backend->model.clock, &fraction)) return &part->now;
+    if (!part->fresh || part->sampled > clock_at(&backend->model.clock, &fraction))
+        return &part->commands[part->held];
     if (!part->foreseen) {
         if (!sample(backend)) return NULL;
-        part->ahead = backend->scratch.now;
         part->foreseen = true;
     }
-    return &part->ahead;
+    return &part->commands[1 - part->held];
 }
 
 /* Where an output stands among the outputs. */
 #define AT(reference) ((reference) - PSP_FIRST_OUTPUT)
 
+/* The state that a decision was based on, zeros behind the vehicles that there were. */
+static void put_basis(const Command *command, double *outputs)
+{
+    const Basis *basis = &command->basis;
+    const size_t n = (size_t)command->n, gaps = n > 0 ? n - 1 : 0, one = sizeof(double);
+    double *const s = outputs + AT(PSP_s_predicted), *const v = outputs + AT(PSP_v_predicted);
+    memcpy(s, basis->as_measured ? basis->s : basis->s_predicted, gaps * one);
+    memset(s + gaps, 0, (PSP_N - 1 - gaps) * one);
+    memcpy(v, basis->as_measured ? basis->v : basis->v_predicted, n * one);
+    memset(v + n, 0, (PSP_N - n) * one);
+}
+
 bool part_put_out(Backend *backend, double *outputs)
 {
     const Command *command = shown(backend);
+    const Settings *settings = &backend->model.part.settings;
     if (!command) return false;
     memcpy(outputs + AT(PSP_a), command->a, sizeof command->a);
     memcpy(outputs + AT(PSP_saturated), command->saturated, sizeof command->saturated);
@@ -122,12 +150,23 @@ bool part_put_out(Backend *backend, double *outputs)
     outputs[AT(PSP_p)] = command->shape.p;
     outputs[AT(PSP_network_in_domain)] = command->in_domain ? 1.0 : 0.0;
     outputs[AT(PSP_T_max)] = fmin(command->T_max, LONGEST);
-    outputs[AT(PSP_lemma1_ok)] = command->T_max > backend->model.part.settings.T ? 1.0 : 0.0;
+    outputs[AT(PSP_lemma1_ok)] = command->T_max > settings->T ? 1.0 : 0.0;
+    outputs[AT(PSP_T_exact)] = fmin(command->T_exact, LONGEST);
+    outputs[AT(PSP_certified)] = certified_period(settings, command) > settings->T ? 1.0 : 0.0;
     outputs[AT(PSP_lemma1_violations)] = (double)command->violations;
     outputs[AT(PSP_input_ok)] = command->in_order ? 1.0 : 0.0;
     outputs[AT(PSP_input_faults)] = (double)command->faults;
     outputs[AT(PSP_choices)] = (double)command->choices;
+    put_basis(command, outputs);
+    followed_of(settings, command, outputs + AT(PSP_followed));
     return true;
+}
+
+bool part_put_late(Backend *backend, double *output)
+{
+    const Command *command = shown(backend);
+    if (command) *output = margin_of(&backend->model.part.settings, command, &backend->scratch);
+    return command != NULL;
 }
 
 fmi2Status backend_directional_derivative(Backend *backend, const fmi2ValueReference unknowns[], size_t unknown_count,

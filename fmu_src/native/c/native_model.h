@@ -55,6 +55,11 @@ void part_changed(Backend *backend);
 /* Writes all outputs, in the order of their references; the part is ready. */
 bool part_put_out(Backend *backend, double *outputs);
 
+#ifdef PART_LATE
+/* The output PART_LATE, which part_put_out leaves alone because it is computed only where it is read. */
+bool part_put_late(Backend *backend, double *output);
+#endif
+
 /* Whether a model that bytes were read into, which is ready, can be; the front remembers `progress` with it. */
 bool part_restore(Model *model, const Progress *progress);
 

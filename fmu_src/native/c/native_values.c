@@ -1,4 +1,5 @@
 /* The variables of any native FMU by value reference; mirrors fmu_src/python/table_slave.py. */
+#include <math.h>
 #include <string.h>
 
 #include "native_model.h"
@@ -21,12 +22,36 @@ static bool are_all_outputs(const fmi2ValueReference vr[], size_t count)
     return apart == 0;
 }
 
+#ifdef PART_LATE
+static bool is_late(fmi2ValueReference reference) { return reference == PART_LATE; }
+
+static bool put_late(Backend *backend, double *outputs)
+{
+    return part_put_late(backend, outputs + (PART_LATE - PSP_FIRST_OUTPUT));
+}
+
+/* What nobody has read yet is no number in `values`. */
+static void forget_late(Model *model) { model->values[PART_LATE] = NAN; }
+
+static bool require_late(Backend *backend)
+{
+    Model *model = &backend->model;
+    return !model->ready || !isnan(model->values[PART_LATE]) || put_late(backend, model->values + PSP_FIRST_OUTPUT);
+}
+#else
+static bool is_late(fmi2ValueReference reference) { return (void)reference, false; }
+static bool put_late(Backend *backend, double *outputs) { return (void)backend, (void)outputs, true; }
+static void forget_late(Model *model) { (void)model; }
+static bool require_late(Backend *backend) { return (void)backend, true; }
+#endif
+
 /* Brings the outputs in `values` up to date; false on failure, which has been logged. */
 static bool refresh(Backend *backend)
 {
     Model *model = &backend->model;
     if (!model->ready && !model->initialising) return true; /* nothing to show yet */
     if (!native_make_ready(backend) || !part_put_out(backend, model->values + PSP_FIRST_OUTPUT)) return false;
+    forget_late(model);
     model->stale = 0;
     return true;
 }
@@ -36,10 +61,11 @@ fmi2Status backend_get_real(Backend *backend, const fmi2ValueReference vr[], siz
     const Model *model = &backend->model;
     const double *values = model->values;
     if (model->ready && are_all_outputs(vr, count)) /* without a stop in `values` */
-        return part_put_out(backend, value) ? fmi2OK : fmi2Error;
+        return part_put_out(backend, value) && put_late(backend, value) ? fmi2OK : fmi2Error;
     if (model->stale && !refresh(backend)) return fmi2Error;
     for (size_t i = 0; i < count; i++) {
         if (vr[i] >= PSP_COUNT || native_is_integer(vr[i])) return unknown_reference(backend, vr[i], "Real");
+        if (is_late(vr[i]) && !require_late(backend)) return fmi2Error;
         value[i] = values[vr[i]];
     }
     return fmi2OK;

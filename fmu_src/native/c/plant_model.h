@@ -9,4 +9,6 @@ typedef Plant Part;
 
 typedef Driving Scratch;
 
+#define PART_ACTUATORS actuators
+
 #endif

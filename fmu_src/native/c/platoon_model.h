@@ -23,6 +23,8 @@ typedef struct {
     Platoon platoon;
 } Part;
 
+#define PART_LATE PSP_T_exact /* takes long, and matters to nobody who does not read it or goes by it */
+
 typedef Instant Scratch; /* outputs between two sampling instants: no room on a stack for many vehicles */
 
 /* platoon_membership.c: the members at the start, and whether they lie in the network's domain, with their gaps of which

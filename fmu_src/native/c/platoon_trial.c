@@ -1,6 +1,8 @@
 /* Vehicles that join and leave, on a copy of the platoon: mirrors psp_model/membership.py. */
 #include "platoon_trial.h"
 
+#include "braking.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -69,6 +71,18 @@ static bool arrange(Work *work, const Joining *joining)
     return make_room(work);
 }
 
+/* Whether the trial has the brake margin that joining asks for. */
+static bool can_brake(Work *work)
+{
+    const Platoon *trial = &work->trial;
+    const int n = (int)trial->now.n;
+    const Braking braking = {.v = trial->now.v, .a = trial->now.a, .lag = work->no_lag, .a_min = work->a_min};
+    if (!(trial->join_brake_margin > 0.0)) return true;
+    for (int i = 0; i < n; i++) work->a_min[i] = trial->join_a_min;
+    clearances(&trial->constants, &trial->cooperation, n, trial->now.s, work->clearance);
+    return brake_margin(n, work->clearance, &braking, NULL) >= trial->join_brake_margin;
+}
+
 bool trial_join(Work *work, const Joining *joining, bool anew, Verdict *verdict)
 {
     Platoon *trial = &work->trial;
@@ -78,7 +92,7 @@ bool trial_join(Work *work, const Joining *joining, bool anew, Verdict *verdict)
     trial->policy = POLICY_SHORTEN; /* looks, and never objects */
     platoon_sample(trial, work->front, work->since, fmi2Warning);
     trial->policy = work->part->platoon.policy;
-    if (trial->now.bound > trial->T) *verdict = MAY_JOIN;
+    if (trial->now.bound > trial->T) *verdict = can_brake(work) ? MAY_JOIN : TOO_CLOSE;
     return true;
 }
 

@@ -22,6 +22,7 @@ typedef struct {
     double since;  /* time since its last sampling instant [s] */
     Platoon trial; /* the platoon after it */
     double room[PSP_N]; /* its gaps, with the lengths ahead taken for L */
+    double clearance[PSP_N], no_lag[PSP_N], a_min[PSP_N];
 } Work;
 
 /* All bool below are false on failure, which has been logged. */
