@@ -77,6 +77,7 @@ static void engage(Platoon *platoon, double since)
     const double share = 1.0 - exp(-since / PSP_CLOSING_TIME);
     double before = 0.0;
     if (since == 0.0) return;
+    now->closing[0] += share * (0.0 - now->closing[0]);
     for (int i = 1; i < now->n; i++) {
         const double spacing = psp_contact_spacing(now->s[i - 1], platoon->cooperation.length[i - 1], platoon->constants.L);
         before += psp_closing_share(spacing, platoon->cooperation.closing_speed, platoon->cooperation.closing_spacing,
