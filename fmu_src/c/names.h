@@ -130,6 +130,12 @@
 
 /* the closed loop */
 #define platoon_read PSP_NAME(platoon_read)
+#define read_cooperation PSP_NAME(read_cooperation)
+#define read_leader PSP_NAME(read_leader)
+#define platoon_settle PSP_NAME(platoon_settle)
+#define platoon_decide PSP_NAME(platoon_decide)
+#define platoon_exact PSP_NAME(platoon_exact)
+#define platoon_take_leader PSP_NAME(platoon_take_leader)
 #define platoon_sample PSP_NAME(platoon_sample)
 #define platoon_advance PSP_NAME(platoon_advance)
 #define platoon_observe PSP_NAME(platoon_observe)

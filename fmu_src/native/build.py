@@ -26,6 +26,8 @@ NEEDS = "Needs nothing from outside.  sources/ holds the C sources; `fmpy compil
 _CAPABILITIES = ("canNotUseMemoryManagementFunctions", "canGetAndSetFMUstate", "canSerializeFMUstate")
 _HERE = Path(__file__).parent
 _OF_THE_LAW = (
+    "braking.c",
+    "braking.h",
     "certificate.c",
     "certificate.h",
     "choice.c",
@@ -36,15 +38,18 @@ _OF_THE_LAW = (
     "network.c",
     "parameters.c",
     "slope.h",
+    "speeds.h",
 )
 _OF_ACTUATORS = ("actuation.c", "actuation.h")
 _OWN_SOURCES = {  # of each component, by the header that defines an instance; all have what is not listed
     "platoon_model.h": (
         *_OF_THE_LAW,
+        *_OF_ACTUATORS,
         "platoon.h",
         "platoon_backend.c",
         "platoon_clock.c",
         "platoon_derivatives.c",
+        "platoon_law.c",
         "platoon_lemma1.c",
         "platoon_membership.c",
         "platoon_restore.c",
@@ -55,8 +60,6 @@ _OWN_SOURCES = {  # of each component, by the header that defines an instance; a
     "controller_model.h": (
         *_OF_THE_LAW,
         *_OF_ACTUATORS,
-        "braking.c",
-        "braking.h",
         "controller.h",
         "controller_backend.c",
         "controller_law.c",

@@ -12,9 +12,11 @@ import numpy as np
 
 import onnx
 from psp_model import errors
+from psp_model.law.watching import CLOSING_TIME
 from psp_model.parameters import ALPHA_MAX, ALPHA_MIN, P_MAX, P_MIN, ObjectiveWeights, PlatoonParameters
 from psp_model.quantities import quantity_of
 from psp_model.selection.network import DICTIONARY, PARAMETERS, SCORES
+from psp_model.vehicles.braking import MOST
 from psp_model.vehicles.leader import Profile
 
 from ..errors import SENTENCES, BuildError
@@ -75,6 +77,7 @@ def model_header(
     }
     defines |= {"FIRST_INTEGER": f"{first}u", "INTEGER_COUNT": f"{len(integers)}u", "GUID": _text(guid)}
     defines |= {"ALPHA_MIN": ALPHA_MIN, "ALPHA_MAX": ALPHA_MAX, "P_MIN": P_MIN, "P_MAX": P_MAX}
+    defines |= {"CLOSING_TIME": CLOSING_TIME, "HARDEST": MOST}
     for group, members in groupby(enumerate(table), lambda row: _group(row[1].name)):
         defines[group] = next(iter(members))[0]
     lines = ["#ifndef PSP_MODEL_H", "#define PSP_MODEL_H", ""]

@@ -220,7 +220,7 @@ class PspPlatoon(TableSlave):
         if self._exact_known or platoon is None or self._exact not in references:
             return values
         now = platoon.now
-        self._values[self._exact] = min(exact_at(platoon.loop.controller, now.vehicles, now.a), LONGEST)
+        self._values[self._exact] = min(exact_at(platoon.loop, now.vehicles, now.a, now.memory), LONGEST)
         self._exact_known = True
         return super()._get(references, integer)
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..errors import ModelError
 from ..law.controller import Controller, TimedController
+from ..law.extended import behind_leader
 from ..law.potential import Potential
 from ..parameters import ObjectiveWeights
 from ..state import read_only, seal
@@ -251,7 +252,7 @@ def _sampled(
     memory, a = _decided(loop, at, vehicles, memory, since)
     T_exact, bound = None, (T_max := float(lemma1_period(loop.controller, vehicles, a)))
     if loop.exact:
-        bound = T_exact = exact_at(loop.controller, vehicles, a)
+        bound = T_exact = exact_at(loop, vehicles, a, memory)
     certified, span = bound > loop.T, 1.0
     if loop.shorten:
         while not span * loop.T < bound and span > SHORTEST:
@@ -273,18 +274,20 @@ def _decided(
     return law.decide_after(memory, vehicles.s, vehicles.v, since, at[1] == 0.0)
 
 
-def exact_at(controller: Controller[object], vehicles: Moving, a: Vector) -> float:
+def exact_at(loop: Loop, vehicles: Moving, a: Vector, memory: object) -> float:
     """The exact period for accelerations that are held from now on (ours).
 
     Parameters
     ----------
-    controller : as for `period.lemma1_period`
+    loop : what it is made of
     vehicles : state of the plant
     a : (n,) accelerations [m/s2]
+    memory : of the controller that decided them
 
     Returns
     -------
     T_exact [s]
     """
-    s, v = room(controller, vehicles.s), vehicles.v
-    return float(exact_period(s, v, a, controller.constants, automated(controller, a)))
+    law, v = loop.controller, vehicles.v
+    by_itself = getattr(memory, "leader", None) is not None
+    return float(exact_period(room(law, vehicles.s), v, a, law.constants, behind_leader(v) if by_itself else None))

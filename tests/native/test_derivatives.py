@@ -7,9 +7,9 @@ from ctypes import c_double, c_uint
 import numpy as np
 import pytest
 
-from harness import ERROR, OK, Instance, random_start, starts
+from harness import ERROR, OK, WARNING, Instance, random_start, starts
 
-OUTPUTS = [f"a[{i}]" for i in range(1, 8)] + ["x[4]", "v[2]", "s[5]", "T_max", "alpha", "r", "p", "J"]
+OUTPUTS = [f"a[{i}]" for i in range(1, 8)] + ["x[4]", "v[2]", "s[5]", "T_max", "T_exact", "alpha", "r", "p", "J"]
 KNOWN = ["s_start[2]", "s_start[5]", "v_start[1]", "v_start[6]", "x_start", "mu", "v_star", "v_max", "epsilon", "L"]
 KNOWN += ["lambda", "alpha_fixed", "r_fixed", "p_fixed", "T", "w1"]
 
@@ -96,3 +96,34 @@ def test_after_initialisation_outputs_depend_on_no_parameter_and_on_no_input_at_
     assert native.call("fmi2Reset") == OK and native.initialise({}) == OK
     status, derivative = _derivative(native, ["insert", "insert_gap"], [1.0, 1.0])
     assert status == OK and not derivative.any()
+
+
+@pytest.mark.parametrize(
+    "values", [{"kappa": 0.1}, {"closing_speed": 0.5}, {"length[3]": 6.0}, {"leader_automated": 0.0}]
+)
+def test_the_extended_law_has_no_derivatives_and_says_so(native, values):
+    assert native.set({"parameter_source": 2} | values) == OK and native.call("fmi2EnterInitializationMode") == OK
+    assert _derivative(native, ["s_start[2]"], [1.0])[0] == ERROR
+    assert "the derivatives of the paper's law only: set kappa and closing_speed to 0" in native.messages[-1][1]
+
+
+@pytest.mark.parametrize("known", ["kappa", "kappa_reach", "closing_speed", "closing_reach", "length[7]"])
+def test_there_is_no_derivative_by_what_the_extended_law_has(native, known):
+    assert native.set({"parameter_source": 2}) == OK and native.call("fmi2EnterInitializationMode") == OK
+    assert _derivative(native, [known], [1.0])[0] == ERROR
+    assert f"no derivative with respect to {known}: leave it out" in native.messages[-1][1]
+
+
+def test_the_derivative_of_an_exact_period_that_a_spacing_sets(native):
+    s, v, h = 5.2, 30.0, 1e-7
+    values = starts([s, *[12.0] * 5], [0.0, *[v] * 6]) | {"parameter_source": 2, "lemma1_policy": 2}
+    found = []
+    for step in (h, -h):
+        assert native.call("fmi2Reset") == OK
+        assert native.initialise(values | {"s_start[2]": s + step, "v_start[2]": v - step}) <= WARNING
+        found += native.get("T_exact")
+    assert native.call("fmi2Reset") == OK
+    assert native.set(values) == OK and native.call("fmi2EnterInitializationMode") == OK
+    status, derivative = _derivative(native, ["s_start[2]", "v_start[2]"], [1.0, -1.0])
+    assert status == OK and found[0] == pytest.approx((s - 5.0) / v, rel=0.2)
+    assert derivative[OUTPUTS.index("T_exact")] == pytest.approx((found[0] - found[1]) / (2 * h), rel=1e-5)

@@ -8,8 +8,7 @@
 
 #include "psp_kernels.h"
 #include "slope.h"
-
-static double smaller(double a, double b) { return b < a ? b : a; }
+#include "speeds.h"
 
 /* `v_desired` below 0 stands for v_star. */
 static inline double feedback_of(const Constants *constants, const Shape *shape, int n, const double *restrict gaps,
@@ -17,21 +16,20 @@ static inline double feedback_of(const Constants *constants, const Shape *shape,
 {
     const Constants c = *constants;
     const Shape h = *shape;
-    double slope_in_front = 0.0, T_max = INFINITY;
+    double slope_in_front = 0.0, least = INFINITY; /* the smallest gap sets the least of the gaps' bounds */
     for (int i = 0; i < n; i++) {
         double slope_behind = 0.0;
         if (i < n - 1) {
             const double s = gaps[i];
             slope_behind = slope_at(&c, &h, s);
-            T_max = smaller(T_max, psp_gap_bound(s, c.L, c.v_max));
+            least = smaller(least, s);
         }
         const double u = slope_in_front - slope_behind;
         a[i] = v_desired < 0.0 ? psp_command(u, v[i], c.v_star, c.v_max, c.epsilon, c.mu)
                                : psp_command_towards(u, v[i], v_desired, c.v_max, c.epsilon, c.mu);
-        T_max = smaller(T_max, psp_speed_bound(v[i], a[i], c.v_max));
         slope_in_front = slope_behind;
     }
-    return T_max;
+    return with_speeds(psp_gap_bound(least, c.L, c.v_max), c.v_max, 0, n, v, a);
 }
 
 double feedback(const Constants *constants, const Shape *shape, int n, const double *s, const double *v, double *a)
@@ -48,10 +46,9 @@ double feedback_towards(const Constants *constants, const Shape *shape, int n, c
 
 double largest_period(const Constants *constants, int n, const double *s, const double *v, const double *a)
 {
-    double T_max = INFINITY;
-    for (int i = 0; i < n - 1; i++) T_max = smaller(T_max, psp_gap_bound(s[i], constants->L, constants->v_max));
-    for (int i = 0; i < n; i++) T_max = smaller(T_max, psp_speed_bound(v[i], a[i], constants->v_max));
-    return T_max;
+    double least = INFINITY;
+    for (int i = 0; i < n - 1; i++) least = smaller(least, s[i]);
+    return with_speeds(psp_gap_bound(least, constants->L, constants->v_max), constants->v_max, 0, n, v, a);
 }
 
 static inline void pass_time_of(const Weights *weights, int n, Instant *at, double tau)

@@ -58,7 +58,7 @@ static bool is_ideal(const Actuation *actuation)
 bool plant_take_vehicles(Plant *plant, Front *front, const double *read, int64_t *rows)
 {
     const double *s = read + PSP_s_start, *v = read + PSP_v_start, delay = read[PSP_actuation_delay];
-    if (!check_start(front, PSP_N, read[PSP_x_start], s, v, LEAST, DBL_MAX) || !read_period(front, read, &plant->T) ||
+    if (!check_start(front, PSP_N, read[PSP_x_start], s, v, NULL, LEAST, DBL_MAX) || !read_period(front, read, &plant->T) ||
         !take_lengths(front, read + PSP_length, plant) || !take_actuation(front, read, &plant->actuation))
         return false;
     REQUIRE(delay <= LONGEST_DEAD_TIME * plant->T, PSP_SENTENCE_dead_time, delay, LONGEST_DEAD_TIME, plant->T);

@@ -10,13 +10,20 @@ bool part_initialise(Backend *backend)
     Part *part = &backend->model.part;
     Platoon *platoon = &part->platoon;
     Request request;
-    if (!platoon_read(platoon, backend->front, backend->model.values, &request)) return false;
+    const double *values = backend->model.values;
+    double *room = backend->scratch.s;
+    if (!platoon_read(platoon, backend->front, values, &request) ||
+        !read_leader(backend->front, values, platoon->constants.v_max, &platoon->leader))
+        return false;
+    platoon_settle(platoon);
+    contact_spacing(&platoon->constants, &platoon->cooperation, request.n, request.s, room);
+    request.s = room;
     if (!choose_shape(backend->front, &platoon->constants, &platoon->weights, platoon->T, &request, &platoon->shape))
         return false;
     part->period = 0;
     part->fraction = 0.0;
-    if (!platoon_sample(platoon, backend->front, fmi2Error)) return false;
-    part_begin(part, request.n);
+    if (!platoon_sample(platoon, backend->front, 0.0, fmi2Error)) return false;
+    part_begin(part, request.n, room);
     return true;
 }
 
@@ -49,8 +56,11 @@ fmi2Status backend_do_step(Backend *backend, double from, double size, double *r
     Model *model = &backend->model;
     Part *part = &model->part;
     Platoon *platoon = &part->platoon;
+    const bool here = part->period == platoon->now.period && part->fraction == platoon->now.fraction;
     model->stale = 1;
-    if (size > 0.0 && !part_make_changes(part, backend->front, model->values)) return fmi2Error;
+    if (size > 0.0 && (!platoon_take_leader(platoon, backend->front, model->values, here) ||
+                       !part_make_changes(part, backend->front, model->values)))
+        return fmi2Error;
     const Clock before = model->clock;
     fmi2Status status = fmi2Error;
     if (!clock_pass(&model->clock, from, size, platoon->T)) {
@@ -103,10 +113,19 @@ bool part_put_out(Backend *backend, double *outputs)
     outputs[AT(PSP_network_in_domain)] = part->in_domain;
     outputs[AT(PSP_T_max)] = platoon->now.T_max < LONGEST ? platoon->now.T_max : LONGEST;
     outputs[AT(PSP_lemma1_ok)] = platoon->now.T_max > platoon->T ? 1.0 : 0.0;
+    outputs[AT(PSP_certified)] = platoon->now.bound > platoon->T ? 1.0 : 0.0;
     outputs[AT(PSP_lemma1_violations)] = (double)platoon->now.violations;
     outputs[AT(PSP_J)] = seen->cost_acceleration + seen->cost_gaps;
     outputs[AT(PSP_J_acceleration)] = seen->cost_acceleration;
     outputs[AT(PSP_J_gap)] = seen->cost_gaps;
     memcpy(outputs + AT(PSP_n_active), &part->members.told, sizeof part->members.told);
+    return true;
+}
+
+bool part_put_late(Backend *backend, double *output)
+{
+    const Platoon *platoon = &backend->model.part.platoon;
+    const double T_exact = platoon->certificate == CERTIFICATE_EXACT ? platoon->now.bound : platoon_exact(platoon);
+    *output = T_exact < LONGEST ? T_exact : LONGEST;
     return true;
 }

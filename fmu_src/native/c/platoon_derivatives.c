@@ -48,6 +48,19 @@ static void motion_change(const Platoon *platoon, const double *seed, double *ch
     }
 }
 
+/* The change of the bound that a speed sets, the first of those that are `bound`. */
+static double speed_change(const Platoon *platoon, const double *seed, const double *change, double bound)
+{
+    const Instant *now = &platoon->now;
+    const double v_max = platoon->constants.v_max;
+    for (int i = 0; i < now->n && bound < LONGEST; i++) {
+        if (psp_speed_bound(now->v[i], now->a[i], v_max) == bound)
+            return psp_speed_bound_tangent(now->v[i], now->a[i], v_max, seed[PSP_v_start + i], change[PSP_a + i],
+                                           seed[PSP_v_max]);
+    }
+    return 0.0;
+}
+
 /* The change of the bound that T_max is, the first of equals. */
 static double bound_change(const Platoon *platoon, const double *seed, const double *change)
 {
@@ -57,12 +70,22 @@ static double bound_change(const Platoon *platoon, const double *seed, const dou
         if (psp_gap_bound(now->s[i], L, v_max) == now->T_max)
             return psp_gap_bound_tangent(now->s[i], L, v_max, seed[PSP_s_start + i], seed[PSP_L], seed[PSP_v_max]);
     }
-    for (int i = 0; i < now->n && now->T_max < LONGEST; i++) {
-        if (psp_speed_bound(now->v[i], now->a[i], v_max) == now->T_max)
-            return psp_speed_bound_tangent(now->v[i], now->a[i], v_max, seed[PSP_v_start + i], change[PSP_a + i],
-                                           seed[PSP_v_max]);
+    return speed_change(platoon, seed, change, now->T_max);
+}
+
+/* The change of the bound that T_exact is, the first of equals. */
+static double exact_change(const Platoon *platoon, const double *seed, const double *change)
+{
+    const Instant *now = &platoon->now;
+    const double L = platoon->constants.L, T_exact = platoon_exact(platoon);
+    for (int i = 0; i < now->n - 1 && T_exact < LONGEST; i++) {
+        const double left = now->s[i] - L, b = now->v[i] - now->v[i + 1], a = now->a[i] - now->a[i + 1];
+        if (psp_first_contact(left, b, a) == T_exact)
+            return psp_first_contact_tangent(left, b, a, seed[PSP_s_start + i] - seed[PSP_L],
+                                             seed[PSP_v_start + i] - seed[PSP_v_start + i + 1],
+                                             change[PSP_a + i] - change[PSP_a + i + 1]);
     }
-    return 0.0;
+    return speed_change(platoon, seed, change, T_exact);
 }
 
 void platoon_tangent(const Platoon *platoon, const double *seed, double *change)
@@ -70,6 +93,7 @@ void platoon_tangent(const Platoon *platoon, const double *seed, double *change)
     for (int i = PSP_FIRST_OUTPUT; i < PSP_COUNT; i++) change[i] = 0.0;
     motion_change(platoon, seed, change);
     change[PSP_T_max] = bound_change(platoon, seed, change);
+    change[PSP_T_exact] = exact_change(platoon, seed, change);
     if (platoon->shape.hill != 0.0) {
         change[PSP_alpha] = seed[PSP_alpha_fixed];
         change[PSP_r] = seed[PSP_r_fixed];
@@ -81,7 +105,23 @@ void platoon_tangent(const Platoon *platoon, const double *seed, double *change)
 static bool depends_on_choice(fmi2ValueReference reference)
 {
     return (reference >= PSP_a && reference < PSP_a + PSP_N) || reference == PSP_alpha || reference == PSP_r ||
-           reference == PSP_p || reference == PSP_T_max;
+           reference == PSP_p || reference == PSP_T_max || reference == PSP_T_exact;
+}
+
+/* Parameters that only the extended law has. */
+static bool is_of_extended_law(fmi2ValueReference reference)
+{
+    return reference == PSP_kappa || reference == PSP_kappa_reach || reference == PSP_closing_speed ||
+           reference == PSP_closing_spacing || reference == PSP_closing_reach ||
+           (reference >= PSP_length && reference < PSP_length + PSP_N);
+}
+
+/* Whether the law is the paper's by the values of the variables, so that outputs have their derivatives here. */
+static bool is_papers(const double *values)
+{
+    bool papers = values[PSP_kappa] == 0.0 && values[PSP_closing_speed] == 0.0 && values[PSP_leader_automated] >= 0.5;
+    for (int i = 0; i < PSP_N; i++) papers = papers && values[PSP_length + i] == 0.0; /* L, whatever becomes of it */
+    return papers;
 }
 
 static bool derivable(Backend *backend, const fmi2ValueReference unknowns[], size_t unknown_count,
@@ -96,7 +136,17 @@ static bool derivable(Backend *backend, const fmi2ValueReference unknowns[], siz
                                        "%d: name Real parameters or inputs", (int)knowns[i]);
             return false;
         }
+        if (is_of_extended_law(knowns[i])) {
+            front_fail(backend->front, "fmi2GetDirectionalDerivative knows no derivative with respect to %s: leave it out",
+                       PSP_VARIABLE_NAMES[knowns[i]]);
+            return false;
+        }
         initial = initial || knowns[i] < PSP_FIRST_INPUT;
+    }
+    if (initial && !is_papers(values)) {
+        front_fail(backend->front, "fmi2GetDirectionalDerivative knows the derivatives of the paper's law only: set kappa "
+                                   "and closing_speed to 0, length to 0 and leader_automated to 1, or use differences");
+        return false;
     }
     for (size_t i = 0; i < unknown_count; i++) {
         if (unknowns[i] < PSP_FIRST_OUTPUT || unknowns[i] >= PSP_COUNT) {

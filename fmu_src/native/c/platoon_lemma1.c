@@ -1,30 +1,60 @@
-/* Who keeps T from being certified: mirrors psp_model/sampling/lemma1.py. */
+/* Who keeps T from being certified: mirrors psp_model/sampling/lemma1.py and psp_model/sampling/exact.py. */
 #include "platoon.h"
 
 #include <math.h>
 
 #include "psp_kernels.h"
 
+static double of_gap(const Platoon *platoon, int i)
+{
+    const Instant *now = &platoon->now;
+    const double L = platoon->constants.L, room = psp_contact_spacing(now->s[i], platoon->cooperation.length[i], L);
+    return platoon->certificate == CERTIFICATE_LEMMA1
+               ? psp_gap_bound(room, L, platoon->constants.v_max)
+               : psp_first_contact(room - L, now->v[i] - now->v[i + 1], now->a[i] - now->a[i + 1]);
+}
+
+static double of_speed(const Platoon *platoon, int j)
+{
+    const Instant *now = &platoon->now;
+    return j == 0 && platoon->leader.driven ? INFINITY
+                                            : psp_speed_bound(now->v[j], now->a[j], platoon->constants.v_max);
+}
+
+static void log_gap(const Platoon *platoon, Front *front, fmi2Status status, double t, int i)
+{
+    const double s = platoon->now.s[i], length = platoon->cooperation.length[i], bound = of_gap(platoon, i);
+    const double v_max = platoon->constants.v_max, T = platoon->T;
+    if (platoon->certificate == CERTIFICATE_EXACT)
+        front_log(front, status, PSP_SENTENCE_exact_gap, T, bound, t, i + 2, i + 2, s, length, bound);
+    else if (length == platoon->constants.L)
+        front_log(front, status, PSP_SENTENCE_lemma1_gap, T, bound, t, i + 2, i + 2, s, length, v_max, bound);
+    else front_log(front, status, PSP_SENTENCE_lemma1_length, T, bound, t, i + 2, i + 2, s, length, v_max, bound);
+}
+
+static void log_speed(const Platoon *platoon, Front *front, fmi2Status status, double t, int j)
+{
+    const Instant *now = &platoon->now;
+    const bool fast = now->a[j] > 0.0, lemma1 = platoon->certificate == CERTIFICATE_LEMMA1;
+    const char *sentence = lemma1 ? (fast ? PSP_SENTENCE_lemma1_fast : PSP_SENTENCE_lemma1_slow)
+                                  : (fast ? PSP_SENTENCE_exact_fast : PSP_SENTENCE_exact_slow);
+    const double bound = psp_speed_bound(now->v[j], now->a[j], platoon->constants.v_max);
+    front_log(front, status, sentence, platoon->T, bound, t, j + 1, j + 1, now->v[j], j + 1, now->a[j],
+              fast ? platoon->constants.v_max : 0.0, bound);
+}
+
 void platoon_log_violation(const Platoon *platoon, Front *front, fmi2Status status)
 {
     const Instant *now = &platoon->now;
-    const double L = platoon->constants.L, v_max = platoon->constants.v_max, T = platoon->T;
-    const double t = ((double)now->period + now->fraction) * T;
+    const double t = ((double)now->period + now->fraction) * platoon->T;
     int i = 0, j = 0;
     for (int k = 1; k < now->n - 1; k++) {
-        if (psp_gap_bound(now->s[k], L, v_max) < psp_gap_bound(now->s[i], L, v_max)) i = k;
+        if (of_gap(platoon, k) < of_gap(platoon, i)) i = k;
     }
     for (int k = 1; k < now->n; k++) {
-        if (psp_speed_bound(now->v[k], now->a[k], v_max) < psp_speed_bound(now->v[j], now->a[j], v_max)) j = k;
+        if (of_speed(platoon, k) < of_speed(platoon, j)) j = k;
     }
-    const double of_gap = now->n > 1 ? psp_gap_bound(now->s[i], L, v_max) : INFINITY; /* a lone vehicle has no gap */
-    const double of_speed = psp_speed_bound(now->v[j], now->a[j], v_max);
-    if (of_gap <= of_speed)
-        front_log(front, status, PSP_SENTENCE_lemma1_gap, T, of_gap, t, i + 2, i + 2, now->s[i], L, v_max, of_gap);
-    else if (now->a[j] > 0.0)
-        front_log(front, status, PSP_SENTENCE_lemma1_fast, T, of_speed, t, j + 1, j + 1, now->v[j], j + 1, now->a[j],
-                  v_max, of_speed);
-    else
-        front_log(front, status, PSP_SENTENCE_lemma1_slow, T, of_speed, t, j + 1, j + 1, now->v[j], j + 1, now->a[j], 0.0,
-                  of_speed);
+    if (now->n > 1 && of_gap(platoon, i) <= of_speed(platoon, j)) /* a lone vehicle has no gap */
+        log_gap(platoon, front, status, t, i);
+    else log_speed(platoon, front, status, t, j);
 }

@@ -23,11 +23,14 @@ typedef struct {
     Platoon platoon;
 } Part;
 
+#define PART_LATE PSP_T_exact /* takes long, and matters to nobody who does not read it or goes by it */
+
 typedef Instant Scratch; /* outputs between two sampling instants: no room on a stack for many vehicles */
 
-/* platoon_membership.c: the members at the start, and whether they lie in the network's domain; the changes whose
- * triggers have risen, at the communication point: false on failure, which has been logged; a refusal is none. */
-void part_begin(Part *part, int n);
+/* platoon_membership.c: the members at the start, and whether they lie in the network's domain, with their gaps of which
+ * the lengths ahead are taken for L; the changes whose triggers have risen, at the communication point: false on failure,
+ * which has been logged; a refusal is none. */
+void part_begin(Part *part, int n, const double *room);
 bool part_make_changes(Part *part, Front *front, const double *values);
 
 #endif

@@ -2,8 +2,11 @@
  * parameters is computed anew, the rest is checked. */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "native_model.h"
+
+#include "psp_kernels.h"
 
 /* What the parameters say, in the place of what the bytes say of it; false where they do not make a platoon. */
 static bool take_settings(Platoon *platoon, const double *values, Request *request)
@@ -17,6 +20,11 @@ static bool take_settings(Platoon *platoon, const double *values, Request *reque
         platoon->T = fresh->T;
         platoon->policy = fresh->policy;
         platoon->max_short_periods = fresh->max_short_periods;
+        platoon->certificate = fresh->certificate;
+        platoon->join_brake_margin = fresh->join_brake_margin;
+        platoon->join_a_min = fresh->join_a_min;
+        memcpy(fresh->cooperation.length, platoon->cooperation.length, sizeof fresh->cooperation.length);
+        platoon->cooperation = fresh->cooperation;
     }
     free(fresh);
     return made;
@@ -35,14 +43,28 @@ static bool is_time(int64_t period, double fraction)
     return state_is_count((double)period, 0.0) && 0.0 <= fraction && fraction < 1.0;
 }
 
-static bool can_be_now(const Instant *now, double L, bool failed)
+static bool can_be_now(const Instant *now)
 {
     if (!(1 <= now->n && now->n <= PSP_N) || !is_time(now->period, now->fraction)) return false;
     if (!state_is_count((double)now->violations, 0.0) || !(0.0 < now->span && now->span <= 1.0)) return false;
     if (!isfinite(now->x) || isnan(now->T_max) || !(now->cost_acceleration >= 0.0) || isnan(now->cost_gaps)) return false;
-    if (!are_finite(now->s, PSP_N - 1) || !are_finite(now->v, PSP_N) || !are_finite(now->a, PSP_N)) return false;
-    for (int i = 0; i < now->n - 1 && !failed; i++) {
-        if (!(now->s[i] > L)) return false;
+    if (isnan(now->bound) || (now->driven != 0 && now->driven != 1)) return false;
+    return are_finite(now->s, PSP_N - 1) && are_finite(now->v, PSP_N) && are_finite(now->a, PSP_N) &&
+           are_finite(now->closing, PSP_N);
+}
+
+/* Whether the lengths, and what was told of the leader, can be; and whether no vehicles touch, unless that has `failed`. */
+static bool can_be_law(const Platoon *platoon, bool failed)
+{
+    const Leader *leader = &platoon->leader;
+    const double *length = platoon->cooperation.length, L = platoon->constants.L;
+    if (!are_finite(length, PSP_N) || (leader->driven != 0 && leader->driven != 1)) return false;
+    if (!(0.0 <= leader->speed && leader->speed <= platoon->constants.v_max) || !isfinite(leader->acceleration)) return false;
+    for (int i = 0; i < PSP_N; i++) {
+        if (!(length[i] > 0.0)) return false;
+    }
+    for (int i = 0; i < platoon->now.n - 1 && !failed; i++) {
+        if (!(psp_contact_spacing(platoon->now.s[i], length[i], L) > L)) return false;
     }
     return true;
 }
@@ -79,8 +101,9 @@ bool part_restore(Model *model, const Progress *progress)
     Request request;
     if (!take_settings(platoon, model->values, &request)) return false;
     if (!state_is_shape(&platoon->shape, &platoon->constants, request.old) || !is_time(part->period, part->fraction) ||
-        !can_be_now(&platoon->now, platoon->constants.L, progress->mode == IN_ERROR) ||
+        !can_be_now(&platoon->now) || !can_be_law(platoon, progress->mode == IN_ERROR) ||
         !can_be_members(&part->members, platoon->now.n) || (part->in_domain != 0.0 && part->in_domain != 1.0))
         return false;
+    platoon_settle(platoon);
     return progress->mode != STEP_COMPLETE || can_be_here(part, progress, &model->clock);
 }

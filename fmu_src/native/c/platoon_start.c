@@ -5,13 +5,27 @@
 
 static bool read_sampling(Front *front, const double *read, Platoon *platoon)
 {
-    int policy, max_short_periods;
+    int policy, max_short_periods, certificate;
     if (!read_choice(front, "lemma1_policy", read[PSP_lemma1_policy], 1, 3, &policy) ||
+        !read_choice(front, "certificate", read[PSP_certificate], 1, 2, &certificate) ||
         !read_choice(front, "max_short_periods", read[PSP_max_short_periods], 1, 0, &max_short_periods) ||
         !read_period(front, read, &platoon->T))
         return false;
     platoon->policy = policy;
+    platoon->certificate = certificate;
     platoon->max_short_periods = max_short_periods;
+    return true;
+}
+
+static bool read_join_margin(Front *front, const double *read, Platoon *platoon)
+{
+    const double margin = read[PSP_join_brake_margin], a_min = read[PSP_join_a_min];
+    if (!finite_or_log(front, "join_brake_margin", margin, "m/s2") || !finite_or_log(front, "join_a_min", a_min, "m/s2"))
+        return false;
+    REQUIRE(0.0 <= margin && margin <= PSP_HARDEST, PSP_SENTENCE_join_brake_margin, margin, PSP_HARDEST);
+    REQUIRE(a_min < 0.0, PSP_SENTENCE_join_a_min, a_min);
+    platoon->join_brake_margin = margin;
+    platoon->join_a_min = a_min;
     return true;
 }
 
@@ -24,8 +38,10 @@ bool platoon_read(Platoon *platoon, Front *front, const double *values, Request 
     if (!read_choice(front, "n_start", values[PSP_n_start], 1, PSP_N, &request->n) ||
         !read_constants(front, values, &platoon->constants) || !read_weights(front, values, &platoon->weights) ||
         !read_sampling(front, values, platoon) ||
-        !check_start(front, request->n, request->x, request->s, request->v, platoon->constants.L,
-                     platoon->constants.v_max) ||
+        !read_cooperation(front, values, &platoon->constants, request->n, &platoon->cooperation) ||
+        !read_join_margin(front, values, platoon) ||
+        !check_start(front, request->n, request->x, request->s, request->v, platoon->cooperation.length,
+                     platoon->constants.L, platoon->constants.v_max) ||
         !read_request(front, values, request))
         return false;
     if (!request->old && request->source != SOURCE_FIXED) { /* or a later change could find no potential at all */

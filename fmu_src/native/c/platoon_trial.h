@@ -7,8 +7,11 @@
 /* A vehicle that wants to join behind the vehicle at `place`, 0: ahead of the leader. */
 typedef struct {
     int place;
-    double gap, speed;
+    double gap, speed, length;
 } Joining;
+
+/* What is said of a vehicle that wants to join: T would not be certified, the brake margin would be too small, nothing. */
+typedef enum { NOT_CERTIFIED, TOO_CLOSE, MAY_JOIN } Verdict;
 
 /* What a change is tried out in. */
 typedef struct {
@@ -16,7 +19,10 @@ typedef struct {
     const Part *part;
     Request request;
     Instant seen;  /* the platoon at the time of the change */
+    double since;  /* time since its last sampling instant [s] */
     Platoon trial; /* the platoon after it */
+    double room[PSP_N]; /* its gaps, with the lengths ahead taken for L */
+    double clearance[PSP_N], no_lag[PSP_N], a_min[PSP_N];
 } Work;
 
 /* All bool below are false on failure, which has been logged. */
@@ -24,8 +30,8 @@ typedef struct {
 /* Chooses the potential for the vehicles of the trial. */
 bool trial_choose(Work *work);
 
-/* Samples the trial with the vehicle, with the potential in use or one chosen `anew`; *certified: T then is. */
-bool trial_join(Work *work, const Joining *joining, bool anew, bool *certified);
+/* Samples the trial with the vehicle, with the potential in use or one chosen `anew`. */
+bool trial_join(Work *work, const Joining *joining, bool anew, Verdict *verdict);
 
 /* The nearest gap found at which the vehicle may join, 0 if there is none. */
 bool trial_find_gap(Work *work, const Joining *asked, double *offered);

@@ -30,7 +30,10 @@ typedef struct {
     int64_t period, violations, n; /* n vehicles; the places behind them hold nothing */
     double fraction, span;         /* [sampling periods] */
     double x, T_max, cost_acceleration, cost_gaps;
+    double bound;           /* what T has to be below, by the chosen certificate */
+    int64_t driven;         /* whether a[0] is that of a leader that drives itself */
     double s[PSP_N - 1], v[PSP_N], a[PSP_N];
+    double closing[PSP_N];  /* what closing up adds to the desired speeds; outputs do not look at it */
 } Instant;
 
 /* For whom a potential is wanted, and how it is to be chosen (psp_model/selection/selectors.py). */
@@ -78,7 +81,8 @@ double printable(double value);
 bool finite_or_log(Front *front, const char *name, double value, const char *unit);
 bool finite_element(Front *front, const char *name, int vehicle, double value, const char *unit);
 bool read_period(Front *front, const double *values, double *T);
-bool check_start(Front *front, int n, double x, const double *s, const double *v, double L, double v_max);
+bool check_start(Front *front, int n, double x, const double *s, const double *v, const double *length, double L,
+                 double v_max);
 
 /* parameters.c: constants, weights and the choice of the potential from the values of the variables, checked. */
 bool finite_triple(Front *front, const Shape *shape);
