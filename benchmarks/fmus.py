@@ -115,6 +115,32 @@ def _built(runtime: str, vehicles: int, folder: Path) -> Fmu:
     return Fmu(unpacked, model.coSimulation.modelIdentifier, model.guid, vehicles, len(outputs), outputs[0], *places)
 
 
+def controller(vehicles: int) -> Fmu:
+    """The native controller for n vehicles, built if it is not there.
+
+    Raises
+    ------
+    RuntimeError : where it cannot be built
+    """
+    folder = _kept(f"controller_{vehicles}")
+    note = folder / "fmu.json"
+    if not note.exists():
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir(parents=True)
+        arguments = ["--component", "controller", "--runtime", "native", "--vehicles", str(vehicles)]
+        said = io.StringIO()
+        with redirect_stdout(said):
+            code = build([*arguments, "--output", str(folder)])
+        if code:
+            raise RuntimeError(f"build_fmu.py {' '.join(arguments)} gave {code}")
+        unpacked = str(extract(str(next(folder.glob("*.fmu"))), str(folder / "unpacked")))
+        model = read_model_description(unpacked, validate=False)
+        outputs = [variable.valueReference for variable in model.modelVariables if variable.causality == "output"]
+        made = Fmu(unpacked, model.coSimulation.modelIdentifier, model.guid, vehicles, len(outputs), outputs[0])
+        note.write_text(json.dumps(asdict(made)))
+    return Fmu(**json.loads(note.read_text()))
+
+
 def _empty(kind: str, vehicles: int, folder: Path) -> Fmu:
     """An FMU that does nothing, with the outputs of the platoon FMU."""
     outputs = fmu(kind.split()[1], vehicles).outputs

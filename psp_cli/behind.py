@@ -57,7 +57,7 @@ class Behind:
 
 
 def parameters(given: Mapping[str, str | float], vehicles: int) -> dict[str, float]:
-    """Values in SI units of parameters of controller and plant, those of START where nothing else is given.
+    """Values in SI units of parameters of controller and plant, and of a_known; of START where nothing else is given.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def parameters(given: Mapping[str, str | float], vehicles: int) -> dict[str, flo
     from fmu_src.interface.plant import plant_table
 
     rows = (*controller_table(vehicles), *plant_table(vehicles))
-    units = {row.name: row.unit for row in rows if row.causality == "parameter"}
+    units = {row.name: row.unit for row in rows if row.causality == "parameter" or row.name.startswith("a_known[")}
     found: dict[str, float] = {}
     for name, value in (START | dict(given)).items():
         names = [name] if name in units else [one for one in units if one.partition("[")[0] == name]

@@ -19,6 +19,7 @@ def on_page_markdown(markdown: str, **_: Any) -> str:
     """Fill in what stands in double braces, then set the mathematics."""
     makers = {"variables": variables, "messages": messages, "commands": commands}
     makers |= {"controller variables": controller_variables, "joining variables": joining_variables}
+    makers |= {"plant variables": plant_variables, "leader variables": leader_variables}
     makers |= {"cost in traffic": cost_in_traffic, "rooms": rooms}
     for name, make in makers.items():
         if f"{{{{ {name} }}}}" in markdown:
@@ -59,6 +60,20 @@ def controller_variables() -> str:
 
     known = {row.name for row in platoon_table(_VEHICLES) if row.causality == "parameter"}
     return _rows([row for row in controller_table(_VEHICLES) if row.name not in known])
+
+
+def plant_variables() -> str:
+    """The variables of `PspPlant`."""
+    from fmu_src.interface.plant import plant_table
+
+    return _rows(plant_table(_VEHICLES))
+
+
+def leader_variables() -> str:
+    """The variables of `PspLeader`, with the wave."""
+    from fmu_src.interface.leader import leader_table
+
+    return _rows(leader_table())
 
 
 def joining_variables() -> str:

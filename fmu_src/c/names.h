@@ -171,6 +171,7 @@
 #define command_regularly PSP_NAME(command_regularly)
 #define find_members PSP_NAME(find_members)
 #define give_commands PSP_NAME(give_commands)
+#define exact_of PSP_NAME(exact_of)
 #define margin_of PSP_NAME(margin_of)
 #define followed_of PSP_NAME(followed_of)
 #define brake_margin PSP_NAME(brake_margin)

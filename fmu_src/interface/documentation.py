@@ -38,11 +38,23 @@ Instants inside a communication step
 use the inputs of its beginning: communicate at every sampling instant. Between instants the commands are held.</p>
 <p>With the fail-safe command (<code>bad_input</code> = 2) every active vehicle slows down with <code>a_safe</code>
 until the inputs are valid again; Lemma 1 does not apply then.</p>""",
-    "PspLeader": """<p>The speed is a function of time: it is independent of the communication step.</p>""",
+    "PspLeader": """<p>The speed is a function of time: it is independent of the communication step. Held for
+<code>T</code>, the acceleration <code>a</code> takes a vehicle from the speed now to that <code>T</code> later: a plant
+of the same <code>T</code> that is given <code>a</code> at every instant has exactly these speeds at the instants.
+Connect <code>a</code> to the plant's <code>a[1]</code> and the controller's <code>a_measured[1]</code>, and
+<code>automated</code>, which is 0, to <code>automated[1]</code> of both; or <code>v</code> to the controller's
+<code>v_desired</code>.</p>""",
     "PspPlant": """<p>The acceleration known at the end of a period of length <code>T</code> applies to all of it: a
 command passed by a master late, but within the period, has the same effect as without the delay. Outputs show the
 motion at the beginning of the current period. With masters that exchange values between steps only, use a
-communication step of T/4 and give the controller <code>phase</code> = T/2.</p>""",
+communication step of T/4 and give the controller <code>phase</code> = T/2.</p>
+<p>A command is cut at <code>a_min</code> and <code>a_max</code>; <code>actuation_delay</code> after the beginning of
+its period it takes effect through a first-order lag with the time constant <code>actuator_lag</code>. The motion in
+between is exact, so that it is independent of the communication step. With the start values there is neither dead
+time nor lag nor limit. A vehicle with <code>automated</code> = 0 drives itself: it has its <code>a</code> at once,
+and where it is automated again its actuator begins with that. Vehicles do not reverse: one that brakes to standstill
+stands until its acceleration is above 0. Spacings are front to front and may have any size above 0 at the start; a
+<code>clearance</code> of 0 or less means contact, after which vehicles drive on as if there were none.</p>""",
 }
 
 

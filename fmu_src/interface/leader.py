@@ -34,9 +34,13 @@ def leader_table(profile: bool = False) -> tuple[Variable, ...]:
     text = "How long a is meant to be held, above 0: the plant's period"
     period = Variable("T", text, "s", Sampling().T, 0, nominal=0.01)
     text = "Acceleration of the leader: held for T, it takes him from the speed now to that T later"
+    himself = (
+        "0: the leader drives himself; for automated[i] of controller and plant, where vehicle i has his acceleration"
+    )
     motion = (
         Variable("v", "Speed of the leader", "m/s", nominal=30, continuous=True),
         Variable("a", text, "m/s2", nominal=1, continuous=True),
+        Variable("automated", himself, minimum=0, maximum=0, initial_dependencies=()),
     )
     if profile:
         text = "When the profile begins, with its first row; before and after it the first and the last speed are held"

@@ -8,6 +8,8 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from .variables import Variable
 
+MOST_LISTED = 400  # knowns of one output
+
 BASE_UNITS: dict[str, dict[str, int]] = {
     "1": {"m": 0},  # an element without exponents is valid, but not read by all importers
     "m": {"m": 1},
@@ -84,19 +86,28 @@ def _scalar_variable(parent: Element, reference: int, variable: Variable) -> Non
 
 
 def _model_structure(root: Element, table: Sequence[Variable]) -> None:
-    """Outputs depend on the inputs that the table names, their initial values also on the parameters that it names."""
+    """Outputs depend on the inputs that the table names, their initial values also on the parameters that it names.
+
+    No list means that an output depends on all: a long one that says so is left out, as the file would grow with N^2.
+    """
     structure = SubElement(root, "ModelStructure")
     outputs, unknowns = SubElement(structure, "Outputs"), SubElement(structure, "InitialUnknowns")
     index = {variable.name: place for place, variable in enumerate(table, start=1)}
     parameters = [name for name, place in index.items() if table[place - 1].causality == "parameter"]
+    all_inputs = [place for name, place in index.items() if table[place - 1].input]
+
+    def unknown(parent: Element, place: int, dependencies: Sequence[int], every: int) -> None:
+        listed = {} if len(dependencies) == every > MOST_LISTED else {"dependencies": " ".join(map(str, dependencies))}
+        SubElement(parent, "Unknown", {"index": str(place)} | listed)
+
     for variable in table:
         if variable.causality != "output":
             continue
         known = parameters if variable.initial_dependencies is None else variable.initial_dependencies
-        place, inputs = str(index[variable.name]), sorted(index[name] for name in variable.dependencies)
+        place, inputs = index[variable.name], sorted(index[name] for name in variable.dependencies)
         at_start = sorted({*inputs, *(index[name] for name in known)})
-        SubElement(outputs, "Unknown", index=place, dependencies=" ".join(map(str, inputs)))
-        SubElement(unknowns, "Unknown", index=place, dependencies=" ".join(map(str, at_start)))
+        unknown(outputs, place, inputs, len(all_inputs))
+        unknown(unknowns, place, at_start, len(all_inputs) + len(parameters))
 
 
 def model_description(component: Component, table: Sequence[Variable]) -> bytes:

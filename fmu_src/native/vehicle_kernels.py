@@ -46,6 +46,7 @@ def actuation_kernels() -> str:
         + c_function("turning", [a, command, lag], [turning(a, command, lag)])
         + c_function("uninterrupted", ride, [*uninterrupted(*ride)])
         + c_function("nearer_stop", [*ride, low], [nearer_stop(v, a, command, lag, span, low)])
+        + c_function("nearer_stop_at_once", [v, command, span, low], [nearer_stop(v, command, command, 0.0, span, low)])
     )
 
 

@@ -99,7 +99,7 @@ def write_connected(
     fmus: Mapping[str, Path],
     connections: Sequence[tuple[Connector, Connector]],
     sets: Mapping[str, Mapping[str, Values]],
-    held: Mapping[str, Values] | None = None,
+    watched: Mapping[str, Sequence[str]] | None = None,
 ) -> Path:
     """FMUs around a controller as a flat archive, with a communication step of T/4.
 
@@ -108,7 +108,7 @@ def write_connected(
     path : of the .ssp file
     fmus, connections : by component; one is the controller
     sets : parameters by component and scenario, "given" by default
-    held : values of inputs that nobody is connected to, by component
+    watched : further outputs that are connectors, by component: some masters record no others
 
     Returns
     -------
@@ -116,14 +116,11 @@ def write_connected(
     """
     components = {}
     for name, fmu in fmus.items():
-        kept = (held or {}).get(name, {})
         inputs = {variable: ("input", "Real") for _, (owner, variable) in connections if owner == name}
         outputs = {variable: ("output", "Real") for (owner, variable), _ in connections if owner == name}
-        inputs |= {variable: ("input", "Real") for variable in kept}
+        outputs |= {variable: ("output", "Real") for variable in (watched or {}).get(name, ())}
         connectors = parameter_connectors(sets[name]["given"]) | inputs | outputs
-        components[name] = SystemComponent(
-            fmu, connectors, {title: {**one, **kept} for title, one in sets[name].items()}
-        )
+        components[name] = SystemComponent(fmu, connectors, sets[name])
     step_size = 0.25 * sets["controller"]["given"]["T"]
     system = System(path.stem, components, connections, step_size=step_size)
     return write_ssp(path, system, "given", tuple(SCENARIOS))
@@ -144,15 +141,19 @@ def speed_of(leader: Path, values: Mapping[str, float]) -> LeaderSpeed:
 
 
 def road_connections(vehicles: int) -> list[tuple[Connector, Connector]]:
-    """Plant to controller and back, but for the first vehicle, which has the leader's acceleration.
+    """Plant to controller and back, but for the first vehicle, which is the leader.
+
+    That it drives itself is an output of the leader: masters treat inputs that nothing is connected to differently.
 
     Parameters
     ----------
     vehicles : n
     """
     loop = [(one, other) for one, other in loop_connections(vehicles) if one != ("controller", "a[1]")]
-    told = [(("leader", "v"), ("controller", "v_desired")), (("leader", "a"), ("controller", "a_measured[1]"))]
-    return [*loop, *told, (("leader", "a"), ("plant", "a[1]"))]
+    told = {"v": [("controller", "v_desired")]}
+    told |= {"a": [("plant", "a[1]"), ("controller", "a_measured[1]")]}
+    told |= {"automated": [("plant", "automated[1]"), ("controller", "automated[1]")]}
+    return [*loop, *((("leader", output), target) for output, targets in told.items() for target in targets)]
 
 
 def write_road_loop(
@@ -188,6 +189,5 @@ def write_road_loop(
         sets["plant"][scenario]["v_start[1]"] = values.get("v_start[1]", begins)
         for i in range(1, vehicles + 1):
             sets["controller"][scenario][f"length[{i}]"] = sets["plant"][scenario][f"length[{i}]"]
-    himself = {"automated[1]": 0.0}
-    held = {"plant": himself, "controller": himself}
-    return write_connected(path, fmus, road_connections(vehicles), sets, held)
+    watched = {"plant": [f"clearance[{i}]" for i in range(2, vehicles + 1)]}
+    return write_connected(path, fmus, road_connections(vehicles), sets, watched)

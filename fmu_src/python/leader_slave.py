@@ -68,7 +68,7 @@ class PspLeader(TableSlave):
     def _outputs(self, driving: _Driving) -> list[float]:
         time = (self._clock.period + self._clock.offset) * _SECOND
         now, later = driving.speed(time), driving.speed(time + driving.T)
-        return [now, held_for(now, later, driving.T)]
+        return [now, held_for(now, later, driving.T), 0.0]  # and nothing is commanded to him
 
     @logged
     def do_step(self, current_time: float, step_size: float) -> bool:

@@ -115,6 +115,9 @@ def settle(actuators: Actuators, actuation: Actuation, tau: float) -> Actuators:
     tau : time [s]
     """
     a = actuators.a
+    if is_off(actuation.actuator_lag):  # only the last command counts
+        after = _later(actuators, a, tau)
+        return after._replace(a=limited(after.command, actuation))
     for span, command in segments(actuators, tau):
         given = limited(command, actuation)
         a = approached(a, given, faded(a, actuation.actuator_lag, span)[0])

@@ -233,7 +233,7 @@ def test_a_refusal_in_a_process_pool_arrives_as_what_it_is(tmp_path: Path) -> No
         (ParameterNetwork(network).evaluate, (start.s, start.v), {}),
         (read_profile, (tmp_path / "none.csv",), {}),
         (read_starts, (tmp_path / "starts.csv",), {}),
-        (build_fmu.build, (build_fmu.parse(["--component", "plant", "--runtime", "native"]), {}), {}),
+        (build_fmu.build, (build_fmu.parse(["--component", "plant", "--profile", "a.csv"]), {}), {}),
     ]
     keys = set()
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:

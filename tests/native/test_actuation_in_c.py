@@ -54,12 +54,8 @@ EXPORTED void foresee(const Actuators *all, const int32_t *of, const Actuation *
                       double *c)
 {
     Foreign made;
-    double gathered[PSP_N];
-    const Places places = {of, gathered};
     const Foreign *foreign = others(automated, of_others, &made);
-    const double *then = actuators_foresee(all, of ? &places : NULL, actuation, n, wait, tau, foreign, v,
-                                           moved, a);
-    for (int i = 0; i < n; i++) c[i] = then[i];
+    actuators_foresee(all, of, actuation, n, wait, tau, foreign, v, moved, a, c);
 }
 EXPORTED void settle_all(Actuators *all, const Actuation *actuation, int n, double tau)
 {

@@ -40,12 +40,17 @@ def everywhere(request, tmp_path_factory) -> Path:
     return next(folder.glob("*.fmu"))
 
 
+def component_of(path: Path) -> str:
+    """Of a native FMU, as build_fmu.py calls it."""
+    return path.name.removeprefix("Psp").removesuffix("Native.fmu").lower()
+
+
 def _sources(fmu: Unpacked) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in (fmu.folder / "sources").iterdir()}
 
 
 def test_two_builds_are_the_same_bytes(everywhere, tmp_path):
-    component = everywhere.name.removeprefix("Psp").removesuffix("Native.fmu").lower()
+    component = component_of(everywhere)
     platforms = "all" if component == "platoon" else "host"  # to save time: the compilers are the same
     options = ["--component", component, "--runtime", "native", "--platforms", platforms]
     assert build([*options, "--output", str(tmp_path)]) == 0
@@ -139,17 +144,15 @@ def _load_commands(part: bytes) -> list[int]:
 
 
 @pytest.mark.system("wine", "cc")
-def test_the_windows_library_gives_the_same_numbers_under_wine(
-    everywhere, native_fmu, native_controller_fmu, native_plant_fmu, native_leader_fmu, c_host, tmp_path
-):
+def test_the_windows_library_gives_the_same_numbers_under_wine(everywhere, request, c_host, tmp_path):
     wine = next(str(path) for name in WINES if (path := shutil.which(name)))
     source = (Path(__file__).parent / "c_host.c").read_bytes()
     host = compile_executable(source, tmp_path)
     with ZipFile(everywhere) as archive:
         (tmp_path / "fmu.dll").write_bytes(archive.read(f"binaries/win64/{everywhere.stem}.dll"))
         guid = re.search(rb'guid="([^"]+)"', archive.read("modelDescription.xml"))[1].decode()
-    all_of_them = (native_fmu, native_controller_fmu, native_plant_fmu, native_leader_fmu)
-    fmu = next(fmu for fmu in all_of_them if fmu.path.name == everywhere.name)
+    component = component_of(everywhere)
+    fmu = request.getfixturevalue("native_fmu" if component == "platoon" else f"native_{component}_fmu")
     wanted = ("s[2]", "s[7]", "v[3]", "a[4]", "T_max", "r", "x[7]", "J", "v", "a")
     names = [name for name in wanted if name in fmu.reference]
     arguments = host_arguments(fmu, 0.01, 500, *names)

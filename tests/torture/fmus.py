@@ -35,10 +35,15 @@ PLATOONS = (
     Build("native platoon", (*SEVEN, "--runtime", "native")),
     Build("python platoon", SEVEN),
 )
+LATE = (("actuation_delay", 0.05), ("actuator_lag[2]", 0.2), ("a_min[3]", -4.0))
 BUILDS = (
     *PLATOONS,
     Build("native controller", (*SEVEN, "--component", "controller", "--runtime", "native")),
     Build("python controller", (*SEVEN, "--component", "controller")),
+    Build("native plant", (*SEVEN, "--component", "plant", "--runtime", "native"), LATE),
+    Build("python plant", (*SEVEN, "--component", "plant"), LATE),
+    Build("native leader", (*SEVEN, "--component", "leader", "--runtime", "native")),
+    Build("python leader", (*SEVEN, "--component", "leader")),
 )
 
 

@@ -1,8 +1,8 @@
-"""Lemma 1 at the predicted state against the truth: late, uncertain measurements, dead time and lag.
+"""Lemma 1 and the exact period at the predicted state against the truth: late, uncertain measurements, dead time, lag.
 
 True platoons drive by commands given before; what is measured of them is old and wrong by up to error_s and error_v;
-the controller predicts from that, takes a command, and certifies a period.  During that period, which begins when the
-command takes effect, the true platoon must not leave Omega.
+the controller predicts from that, takes a command, and certifies a period in both ways.  During that period, which
+begins when the command takes effect, the true platoon must not leave Omega.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from psp_model import BEST_FIXED, PlatoonParameters
 from psp_model.law.cooperation import ALL_AUTOMATED, Cooperation
 from psp_model.parameters import Actuation
 from psp_model.sampling.exact import exact_period
-from psp_model.sampling.uncertain import Errors, uncertain_period
+from psp_model.sampling.uncertain import Errors, uncertain_exact_period, uncertain_period
 from psp_model.vehicles.actuation import Actuators, drive, ride
 from psp_model.vehicles.prediction import Issued, predict, predictive_command
 
@@ -54,7 +54,8 @@ def _batch(rng: np.random.Generator, count: int, outcome: Outcome) -> None:
     horizon = age + actuation.actuation_delay
     before = predicted.a if lag else a
     carried = errors.carried(horizon)
-    T_max = uncertain_period(predicted.s, predicted.v, a, carried, CONSTANTS, before)
+    of_command = (predicted.s, predicted.v, a, carried, CONSTANTS, before)
+    T_max, T_exact = uncertain_period(*of_command), uncertain_exact_period(*of_command)
     true_v, moved, then = drive(v, actuators, actuation, horizon)
     true_s = s + moved[:-1] - moved[1:]
     off = (np.abs(true_s - predicted.s) - carried.error_s).max(), (np.abs(true_v - predicted.v) - carried.error_v).max()
@@ -64,13 +65,14 @@ def _batch(rng: np.random.Generator, count: int, outcome: Outcome) -> None:
     certified = (T_max > 0.0) & inside
     outcome.count += count
     outcome.tally("not certifiable", int((~certified).sum()))
-    period = 0.999999 * np.minimum(T_max, 5.0)
-    for share in np.arange(1, _LOOKS + 1) / _LOOKS:
-        now, way, _ = ride(true_v, then.a, a, lag, share * period)
-        spacing = true_s + way[:-1] - way[1:]
-        good = (spacing > L).all(axis=0) & (now >= 0.0).all(axis=0) & (now <= v_max + 1e-9).all(axis=0)
-        for lane in np.flatnonzero(~good & certified):
-            outcome.violate(f"outside Omega after {share * period[lane]!r} s, with T_max = {T_max[lane]!r} s")
+    for name, found, rounding in (("T_max", T_max, 0.0), ("T_exact", T_exact, 1e-9)):
+        period = 0.999999 * np.minimum(found, 5.0)
+        for share in np.arange(1, _LOOKS + 1) / _LOOKS:
+            now, way, _ = ride(true_v, then.a, a, lag, share * period)
+            spacing = true_s + way[:-1] - way[1:]
+            good = (spacing > L - rounding).all(axis=0) & (now >= 0.0).all(axis=0) & (now <= v_max + 1e-9).all(axis=0)
+            for lane in np.flatnonzero(~good & (found > 0.0) & inside):
+                outcome.violate(f"outside Omega after {share * period[lane]!r} s, with {name} = {found[lane]!r} s")
     if lag == 0.0:
         exact = exact_period(true_s, true_v, a, CONSTANTS)
         known = certified & np.isfinite(exact) & (true_s > L).all(axis=0)

@@ -6,7 +6,7 @@ import subprocess
 from functools import cache
 from pathlib import Path
 
-from fmu_src.native import build
+from fmu_src.native.components import NATIVE, native_fmu
 from fmu_src.networks import networks_up_to
 from fmu_src.toolchain.compile import FMI_HEADERS, run_compiler
 from native.fuzz import run as fuzzing
@@ -19,8 +19,7 @@ FEW = 100  # lives, below which compiling all of them is not worth it
 
 
 def _sources(component: str) -> dict[str, bytes]:
-    make = build.native_platoon if component == "platoon" else build.native_controller
-    return make(VEHICLES, networks_up_to(VEHICLES)).sources("{torture}")
+    return native_fmu(component, VEHICLES, networks_up_to(VEHICLES)).sources("{torture}")
 
 
 @cache
@@ -29,7 +28,7 @@ def program(component: str, sanitizer: str, folder: Path) -> Path:
 
     Parameters
     ----------
-    component : platoon or controller
+    component : of NATIVE
     sanitizer : of SANITIZERS
     folder : where it is built, unless it is there already
     """
@@ -48,9 +47,9 @@ def program(component: str, sanitizer: str, folder: Path) -> Path:
 
 
 def run(chunk: Chunk) -> Outcome:
-    """Both native FMUs under both sanitizers; `count` lives in each thread."""
+    """The native FMUs under both sanitizers; `count` lives in each thread."""
     outcome = Outcome()
-    pairs = [(component, sanitizer) for component in ("platoon", "controller") for sanitizer in SANITIZERS]
+    pairs = [(component, sanitizer) for component in NATIVE for sanitizer in SANITIZERS]
     for component, sanitizer in pairs if chunk.count >= FEW else pairs[:1]:
         command = [str(program(component, sanitizer, chunk.fmus)), str(chunk.count)]
         ran = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
@@ -63,7 +62,7 @@ def run(chunk: Chunk) -> Outcome:
 
 def fuzz(chunk: Chunk) -> Outcome:
     """libFuzzer with AddressSanitizer and UBSan on one of the native FMUs; `count` is in seconds."""
-    outcome, component = Outcome(), ("platoon", "controller")[chunk.number % 2]
+    outcome, component = Outcome(), NATIVE[chunk.number % len(NATIVE)]
     ran = fuzzing.fuzz(chunk.count, component=component)
     found = [line.split()[-1] for line in ran.stderr.splitlines() if "number_of_executed_units" in line]
     outcome.count += int(found[-1]) if found else 0

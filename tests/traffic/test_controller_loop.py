@@ -21,6 +21,21 @@ CASES = [{"potential": 1}, {"potential": 2}, {"parameter_source": 2, "alpha_fixe
 SEEN = [f"v[{i}]" for i in range(1, N + 1)] + [f"s[{i}]" for i in range(2, N + 1)] + ["x[1]", "x[7]"]
 
 
+def of_the_runtime_of(controller_fmu, component: str) -> str:
+    """The fixture of a component in the controller's runtime: not every pair of runtimes is tried."""
+    return f"{'native' if 'Native' in controller_fmu.path.name else 'python'}_{component}_fmu"
+
+
+@pytest.fixture(scope="module")
+def plant_fmu(request, controller_fmu):
+    return request.getfixturevalue(of_the_runtime_of(controller_fmu, "plant"))
+
+
+@pytest.fixture(scope="module")
+def leader_fmu(request, controller_fmu):
+    return request.getfixturevalue(of_the_runtime_of(controller_fmu, "leader"))
+
+
 def measurement(plant) -> dict[str, float]:
     gaps, speeds = plant.group("s"), plant.group("v")
     named = {f"s[{i}]": gap for i, gap in enumerate(gaps, start=2)}
@@ -128,9 +143,10 @@ def test_values_that_no_component_can_have_are_refused(tmp_path, plant_fmu, cont
 
 def test_cross_check_files_of_plant_and_leader(tmp_path, plant_fmu, leader_fmu):
     names = [path.name for fmu in (plant_fmu, leader_fmu) for path in write_cross_check(fmu.path, tmp_path)]
-    endings = ["PspPlant_in.csv", "PspPlant_ref.csv", "PspPlant_ref.opt", "PspLeader_ref.csv", "PspLeader_ref.opt"]
+    plant, leader = plant_fmu.path.stem, leader_fmu.path.stem
+    endings = [f"{plant}_in.csv", f"{plant}_ref.csv", f"{plant}_ref.opt", f"{leader}_ref.csv", f"{leader}_ref.opt"]
     assert names == endings  # a leader has no inputs
-    header, *rows = (tmp_path / "PspPlant_in.csv").read_text().splitlines()
+    header, *rows = (tmp_path / f"{plant}_in.csv").read_text().splitlines()
     inputs = [f"{name}[{i}]" for name in ("a", "automated") for i in range(1, N + 1)]
     assert header.replace('"', "").split(",") == ["time", *inputs]
     assert [float(row.split(",")[0]) for row in rows] == [0.0, 20.0]

@@ -72,7 +72,10 @@ def test_the_default_install_pulls_nothing_heavy():
 def test_build_makes_every_component(tmp_path):
     for component in ("platoon", "controller", "plant", "leader"):
         assert psp("build", "--vehicles", "2", "--component", component, "--output", str(tmp_path)).exit_code == 0
-    assert len(list(tmp_path.glob("*.fmu"))) == 4
+    for component in ("plant", "leader"):
+        options = ("--vehicles", "2", "--component", component, "--runtime", "native", "--output", str(tmp_path))
+        assert psp("build", *options).exit_code == 0
+    assert len(list(tmp_path.glob("*.fmu"))) == 6
     profile = tmp_path / "profile.csv"
     profile.write_text("0,20\n10,50\n")
     refused = psp("build", "--component", "leader", "--profile", str(profile), "--output", str(tmp_path))

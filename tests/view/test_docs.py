@@ -49,6 +49,7 @@ def workplace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name in (
         "mkdocs.yml",
         "docs",
+        "examples",
         "psp_model",
         "psp_view",
         "fmu_src",

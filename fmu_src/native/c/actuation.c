@@ -1,15 +1,17 @@
 /* Vehicles that act late and softly: mirrors psp_model/vehicles/actuation.py.
  *
- * What is exact in one step per command there is a loop over the commands here, inside it one over the vehicles; that one is
- * written once and inlined for lags that are absent, alike or different, so that the compiler can vectorise it. */
+ * There a platoon is driven from command to command.  Here a block of vehicles is, through all commands, before the next
+ * block; what is done to a block under one command is written once and inlined for lags that are absent, alike or different,
+ * so that the compiler can vectorise it. */
 #include "actuation.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
 #include "psp_kernels.h"
 
-enum { NEWTON_STEPS = 30 };
+enum { NEWTON_STEPS = 30, BLOCK = 128 };
 
 typedef enum { NO_LAG, ONE_LAG, LAGS } Lags;
 
@@ -73,16 +75,15 @@ const double *actuators_last(const Actuators *actuators)
 /* How far one has come through a time tau, in pieces with one command each. */
 typedef struct {
     const Actuators *of;
-    const Places *places;  /* or NULL */
     const double *command; /* in effect */
     int64_t next;          /* command on its way */
     double passed, tau, now; /* time since the rows were written, and in this time */
     bool ended;
 } Pieces;
 
-static Pieces pieces(const Actuators *of, const Places *places, double tau)
+static Pieces pieces(const Actuators *of, double tau)
 {
-    const Pieces fresh = {of, places, of->command, 0, 0.0, tau, 0.0, false};
+    const Pieces fresh = {of, of->command, 0, 0.0, tau, 0.0, false};
     return fresh;
 }
 
@@ -90,16 +91,8 @@ static Pieces pieces(const Actuators *of, const Places *places, double tau)
 static Pieces pieces_after(const Pieces *before, double tau)
 {
     const double passed = before->passed + before->tau;
-    const Pieces fresh = {before->of, before->places, before->command, before->next, passed, tau, 0.0, false};
+    const Pieces fresh = {before->of, before->command, before->next, passed, tau, 0.0, false};
     return fresh;
-}
-
-/* Rows of other vehicles, those themselves where they are the same. */
-static const double *of_members(const double *values, const Places *places, int n)
-{
-    if (!places) return values;
-    for (int i = 0; i < n; i++) places->gathered[i] = places->of[i] < 0 ? 0.0 : values[places->of[i]];
-    return places->gathered;
 }
 
 /* The command of the next piece and its length; NULL at the end. */
@@ -148,11 +141,19 @@ double first_stop(double v, double a, double command, double lag, double low)
 {
     double t = a < command ? 0.0 : low;
     for (int k = 0; k < NEWTON_STEPS; k++) {
-        const double nearer = psp_nearer_stop(v, a, command, lag, t, low);
+        const double nearer = lag > 0.0 ? psp_nearer_stop(v, a, command, lag, t, low)
+                                        : psp_nearer_stop_at_once(v, command, t, low);
         if (nearer == t) break; /* and so it would stay */
         t = nearer;
     }
     return t;
+}
+
+/* A vehicle that may reverse; without a lag a is the command. */
+static inline void uninterrupted(double v, double a, double command, double lag, double span, double *speed, double *moved)
+{
+    if (lag > 0.0) psp_uninterrupted(v, a, command, lag, span, speed, moved);
+    else psp_unstopped_at_once(v, command, span, speed, moved);
 }
 
 /* Speed and distance where a vehicle may come to a stop on the way, and may drive off again. */
@@ -162,13 +163,13 @@ static void with_stop(double v, double a, double command, double lag, double spa
     const double turn = again ? psp_turning(a, command, lag) : 0.0;
     const double low = again ? fmin(turn, span) : span;
     double speed, until, further;
-    psp_uninterrupted(v, a, command, lag, low, &speed, &until);
+    uninterrupted(v, a, command, lag, low, &speed, &until);
     if (!(speed < 0.0)) {
         *then = fmax(*then, 0.0);
         return;
     }
-    psp_uninterrupted(v, a, command, lag, first_stop(v, a, command, lag, low), &speed, &until);
-    psp_uninterrupted(0.0, 0.0, command, lag, again ? fmax(span - turn, 0.0) : 0.0, &speed, &further);
+    uninterrupted(v, a, command, lag, first_stop(v, a, command, lag, low), &speed, &until);
+    uninterrupted(0.0, 0.0, command, lag, again ? fmax(span - turn, 0.0) : 0.0, &speed, &further);
     *then = fmax(speed, 0.0);
     *moved = until + further;
 }
@@ -179,106 +180,134 @@ void ride_steadily(double v, double a, double span, double *speed, double *moved
     if (v + span * fmin(a, 0.0) < 0.0) with_stop(v, a, a, 0.0, span, speed, moved);
 }
 
-/* What n vehicles are told, and what they do with it. */
+/* Some of the vehicles, in whose order all of these are: as many as there is room for on any stack. */
 typedef struct {
-    const Actuation *actuation;
-    const Foreign *foreign; /* or NULL */
-    const double *command;
-    int n;
-    double span;
-} Told;
+    const double *lag, *a_min, *a_max, *automated, *of_others; /* automated is NULL where all are */
+    const int32_t *places;                                     /* NULL where they are the same */
+    int first, n;
+    Lags lags;
+    double span, gone[BLOCK], kept[BLOCK]; /* the shares that fade in a piece of that length; the first is for all alike */
+    double gathered[BLOCK];
+} Block;
 
-static inline double given(const Told *told, int i, bool all_automated)
+static void choose_block(Block *block, const Actuation *actuation, const int32_t *places, const Foreign *foreign, int n,
+                         int first)
 {
-    const Actuation *act = told->actuation;
-    const double own = psp_limited(told->command[i], act->a_min[i], act->a_max[i]);
-    return all_automated || told->foreign->automated[i] > 0.5 ? own : told->foreign->a[i];
+    block->lag = actuation->actuator_lag + first;
+    block->a_min = actuation->a_min + first;
+    block->a_max = actuation->a_max + first;
+    block->automated = foreign ? foreign->automated + first : NULL;
+    block->of_others = foreign ? foreign->a + first : NULL;
+    block->places = places ? places + first : NULL;
+    block->first = first;
+    block->n = n - first < BLOCK ? n - first : BLOCK;
+    block->span = -1.0;
+    block->gone[0] = 1.0;
 }
 
-static inline double now_given(const Told *told, const double *a, int i, bool all_automated)
+/* Of rows of all vehicles those of the block. */
+static const double *of_members(Block *block, const double *values)
 {
-    return all_automated || told->foreign->automated[i] > 0.5 ? a[i] : told->foreign->a[i];
+    if (!block->places) return values + block->first;
+    for (int i = 0; i < block->n; i++) block->gathered[i] = block->places[i] < 0 ? 0.0 : values[block->places[i]];
+    return block->gathered;
 }
 
-static inline bool may_stop(const Told *told, Lags lags, bool all_automated, const double *restrict v,
-                            const double *restrict a)
+/* Brings the shares that fade up to date; what differs by rounding counts as equal. */
+static void fade(Block *block, double span)
+{
+    if (fabs(span - block->span) <= 4.0 * DBL_EPSILON * span) return;
+    block->span = span;
+    if (block->lags == ONE_LAG) psp_faded(block->lag[0], span, &block->gone[0], &block->kept[0]);
+    for (int i = 0; block->lags == LAGS && i < block->n; i++)
+        psp_faded(block->lag[i], span, &block->gone[i], &block->kept[i]);
+}
+
+/* One piece; whether a vehicle may come to a stop in it, which is taken into account if `stopping`. */
+static inline bool ride_of(const Block *block, const double *restrict told, double span, Lags lags, bool all_automated,
+                           bool stopping, double *restrict v, double *restrict moved, double *restrict a)
 {
     bool any = false;
-    for (int i = 0; i < told->n; i++) {
-        const double command = given(told, i, all_automated);
-        const double begins = lags == NO_LAG ? command
-                                             : psp_first_felt(now_given(told, a, i, all_automated), command,
-                                                              told->actuation->actuator_lag[i]);
+    for (int i = 0; i < block->n; i++) {
+        const bool own = all_automated || block->automated[i] > 0.5;
+        const double command = own ? psp_limited(told[i], block->a_min[i], block->a_max[i]) : block->of_others[i];
+        const double from = v[i], before = own ? a[i] : command, lag = block->lag[i];
+        const double begins = lags == NO_LAG ? command : psp_first_felt(before, command, lag);
         const double least = begins < command ? begins : command;
-        any |= !(v[i] + told->span * (least < 0.0 ? least : 0.0) >= 0.0);
-    }
-    return any;
-}
-
-static inline void ride_of(const Told *told, Lags lags, bool all_automated, bool stops, double *restrict v,
-                           double *restrict moved, double *restrict a)
-{
-    const double *restrict lag = told->actuation->actuator_lag, span = told->span;
-    double gone = 1.0, kept = 0.0;
-    if (lags == ONE_LAG) psp_faded(lag[0], span, &gone, &kept);
-    for (int i = 0; i < told->n; i++) {
-        const double command = given(told, i, all_automated), before = now_given(told, a, i, all_automated), from = v[i];
+        const bool stops = !(from + span * (least < 0.0 ? least : 0.0) >= 0.0);
         double then, further, after = command;
-        if (lags == LAGS && (i == 0 || lag[i] != lag[i - 1])) psp_faded(lag[i], span, &gone, &kept);
         if (lags == NO_LAG) psp_unstopped_at_once(from, command, span, &then, &further);
-        else psp_unstopped(from, before, command, lag[i], span, gone, kept, &then, &further, &after);
-        if (stops) with_stop(from, psp_first_felt(before, command, lag[i]), command, lag[i], span, &then, &further);
+        else {
+            const int k = lags == ONE_LAG ? 0 : i;
+            psp_unstopped(from, before, command, lag, span, block->gone[k], block->kept[k], &then, &further, &after);
+        }
+        if (stopping && stops) with_stop(from, begins, command, lag, span, &then, &further);
+        any |= stops;
         v[i] = then;
         moved[i] += further;
         a[i] = after;
     }
+    return any;
 }
 
 /* `ride_of` for what the compiler is to know. */
-static inline void ride_with(const Told *told, Lags lags, double *v, double *moved, double *a)
+static inline bool ride_with(const Block *block, const double *told, double span, Lags lags, bool stopping, double *v,
+                             double *moved, double *a)
 {
-    const bool all_automated = !told->foreign;
-    const bool stops = all_automated ? may_stop(told, lags, true, v, a) : may_stop(told, lags, false, v, a);
-    if (stops) ride_of(told, lags, all_automated, true, v, moved, a);
-    else if (all_automated) ride_of(told, lags, true, false, v, moved, a);
-    else ride_of(told, lags, false, false, v, moved, a);
+    if (stopping) return ride_of(block, told, span, lags, !block->automated, true, v, moved, a);
+    return block->automated ? ride_of(block, told, span, lags, false, false, v, moved, a)
+                            : ride_of(block, told, span, lags, true, false, v, moved, a);
 }
 
-static void ride(const Told *told, Lags lags, double *v, double *moved, double *a)
+static bool ride(const Block *block, const double *told, double span, bool stopping, double *v, double *moved, double *a)
 {
-    switch (lags) {
-    case NO_LAG: ride_with(told, NO_LAG, v, moved, a); return;
-    case ONE_LAG: ride_with(told, ONE_LAG, v, moved, a); return;
-    default: ride_with(told, LAGS, v, moved, a);
+    switch (block->lags) {
+    case NO_LAG: return ride_with(block, told, span, NO_LAG, stopping, v, moved, a);
+    case ONE_LAG: return ride_with(block, told, span, ONE_LAG, stopping, v, moved, a);
+    default: return ride_with(block, told, span, LAGS, stopping, v, moved, a);
     }
 }
 
-/* Drives n vehicles through the pieces. */
-static void drive(Pieces *all, const Actuation *actuation, int n, const Foreign *foreign, double *v, double *moved, double *a)
+/* Drives a block through the pieces; false, and nothing of worth, where a vehicle may come to a stop and may not. */
+static bool drive_through(Block *block, Pieces *all, bool stopping, double *v, double *moved, double *a)
 {
-    const Lags lags = lags_of(actuation, n);
-    Told told = {actuation, foreign, NULL, n, 0.0};
-    memset(moved, 0, (size_t)n * sizeof *moved);
-    while ((told.command = next_piece(all, &told.span))) {
-        told.command = of_members(told.command, all->places, n);
-        ride(&told, lags, v, moved, a);
-    }
-}
-
-/* What the actuators alone do in the pieces. */
-static void settle(Pieces *all, const Actuation *actuation, int n, double *a)
-{
-    const Lags lags = lags_of(actuation, n);
-    const double *lag = actuation->actuator_lag, *command;
+    const double *told;
     double span;
-    while ((command = next_piece(all, &span))) {
-        double gone = 1.0, kept;
-        if (lags == NO_LAG && !all->ended) continue; /* the last command counts */
-        command = of_members(command, all->places, n);
-        if (lags == ONE_LAG) psp_faded(lag[0], span, &gone, &kept);
-        for (int i = 0; i < n; i++) {
-            if (lags == LAGS && (i == 0 || lag[i] != lag[i - 1])) psp_faded(lag[i], span, &gone, &kept);
-            a[i] = psp_approached(a[i], psp_limited(command[i], actuation->a_min[i], actuation->a_max[i]), gone);
+    memset(moved, 0, (size_t)block->n * sizeof *moved);
+    while ((told = next_piece(all, &span))) {
+        if (block->lags != NO_LAG) fade(block, span);
+        if (ride(block, of_members(block, told), span, stopping, v, moved, a) && !stopping) return false;
+    }
+    return true;
+}
+
+/* The same: vehicles rarely stop, and as long as none does nobody asks in which piece. */
+static void drive_block(Block *block, Pieces *all, double *v, double *moved, double *a)
+{
+    const Pieces begun = *all;
+    const size_t size = (size_t)block->n * sizeof *v;
+    double v_begun[BLOCK], a_begun[BLOCK];
+    memcpy(v_begun, v, size);
+    memcpy(a_begun, a, size);
+    if (drive_through(block, all, false, v, moved, a)) return;
+    *all = begun;
+    memcpy(v, v_begun, size);
+    memcpy(a, a_begun, size);
+    drive_through(block, all, true, v, moved, a);
+}
+
+/* What the actuators of a block alone do in the pieces. */
+static void settle_block(Block *block, Pieces *all, double *a)
+{
+    const double *told;
+    double span;
+    while ((told = next_piece(all, &span))) {
+        if (block->lags == NO_LAG && !all->ended) continue; /* the last command counts */
+        if (block->lags != NO_LAG) fade(block, span);
+        told = of_members(block, told);
+        for (int i = 0; i < block->n; i++) {
+            const double command = psp_limited(told[i], block->a_min[i], block->a_max[i]);
+            a[i] = psp_approached(a[i], command, block->gone[block->lags == LAGS ? i : 0]);
         }
     }
 }
@@ -286,22 +315,44 @@ static void settle(Pieces *all, const Actuation *actuation, int n, double *a)
 void actuators_drive(Actuators *actuators, const Actuation *actuation, int n, double tau, const Foreign *foreign, double *v,
                      double *moved)
 {
-    Pieces all = pieces(actuators, NULL, tau);
-    drive(&all, actuation, n, foreign, v, moved, actuators->a);
+    Block block = {.lags = lags_of(actuation, n)};
+    Pieces all = pieces(actuators, tau);
+    for (int i = 0; i < n; i += BLOCK) {
+        all = pieces(actuators, tau);
+        choose_block(&block, actuation, NULL, foreign, n, i);
+        drive_block(&block, &all, v + i, moved + i, actuators->a + i);
+    }
     leave_behind(actuators, &all);
 }
 
-const double *actuators_foresee(const Actuators *actuators, const Places *places, const Actuation *actuation, int n,
-                                double wait, double tau, const Foreign *foreign, double *v, double *moved, double *a)
+void actuators_foresee(const Actuators *actuators, const int32_t *places, const Actuation *actuation, int n, double wait,
+                       double tau, const Foreign *foreign, double *v, double *moved, double *a, double *command)
 {
-    Pieces all = pieces(actuators, places, wait > 0.0 ? wait : tau);
-    memcpy(a, of_members(actuators->a, places, n), (size_t)n * sizeof *a);
-    if (wait > 0.0) {
-        settle(&all, actuation, n, a);
-        all = pieces_after(&all, tau);
+    Block block = {.lags = lags_of(actuation, n)};
+    for (int i = 0; i < n; i += BLOCK) {
+        Pieces all = pieces(actuators, wait > 0.0 ? wait : tau);
+        choose_block(&block, actuation, places, foreign, n, i);
+        const size_t size = (size_t)block.n * sizeof *a;
+        memcpy(a + i, of_members(&block, actuators->a), size);
+        if (wait > 0.0) {
+            settle_block(&block, &all, a + i);
+            all = pieces_after(&all, tau);
+        }
+        drive_block(&block, &all, v + i, moved + i, a + i);
+        memcpy(command + i, of_members(&block, all.command), size);
     }
-    drive(&all, actuation, n, foreign, v, moved, a);
-    return of_members(all.command, places, n);
+}
+
+void actuators_settle(Actuators *actuators, const Actuation *actuation, int n, double tau)
+{
+    Block block = {.lags = lags_of(actuation, n)};
+    Pieces all = pieces(actuators, tau);
+    for (int i = 0; i < n; i += BLOCK) {
+        all = pieces(actuators, tau);
+        choose_block(&block, actuation, NULL, NULL, n, i);
+        settle_block(&block, &all, actuators->a + i);
+    }
+    leave_behind(actuators, &all);
 }
 
 static void rearrange(double *rows, int n, const int32_t *places, bool backwards)
@@ -321,11 +372,4 @@ void actuators_rearrange(Actuators *actuators, int n, const int32_t *places)
     rearrange(actuators->command, n, places, backwards);
     for (int64_t k = 0; k < actuators->count; k++)
         rearrange(((OnItsWay *)row(actuators, k))->a, n, places, backwards);
-}
-
-void actuators_settle(Actuators *actuators, const Actuation *actuation, int n, double tau)
-{
-    Pieces all = pieces(actuators, NULL, tau);
-    settle(&all, actuation, n, actuators->a);
-    leave_behind(actuators, &all);
 }

@@ -59,17 +59,11 @@ const double *actuators_last(const Actuators *actuators);
 void actuators_drive(Actuators *actuators, const Actuation *actuation, int n, double tau, const Foreign *foreign, double *v,
                      double *moved);
 
-/* Other vehicles: the place of each among those that the actuators are of, -1 for one that is new and whose actuator holds 0;
- * places rise.  NULL stands for the same vehicles.  `gathered` has room for their commands. */
-typedef struct {
-    const int32_t *of;
-    double *gathered;
-} Places;
-
-/* What actuators_drive does from `wait` from now on; nothing changes but v, moved and a: the accelerations that the actuators
- * give then.  Returned are the commands in effect then. */
-const double *actuators_foresee(const Actuators *actuators, const Places *places, const Actuation *actuation, int n,
-                                double wait, double tau, const Foreign *foreign, double *v, double *moved, double *a);
+/* What actuators_drive does from `wait` from now on; nothing changes but v, moved, and accelerations given and commands in
+ * effect then.  `places`: of each vehicle among those that the actuators are of, -1 for one that is new and whose actuator
+ * holds 0; they rise.  NULL stands for the same vehicles. */
+void actuators_foresee(const Actuators *actuators, const int32_t *places, const Actuation *actuation, int n, double wait,
+                       double tau, const Foreign *foreign, double *v, double *moved, double *a, double *command);
 
 /* The actuators of n other vehicles. */
 void actuators_rearrange(Actuators *actuators, int n, const int32_t *places);

@@ -50,7 +50,9 @@ static double travelled(const Vehicle *of, double t)
         ride_steadily(of->v, of->a, t, &speed, &first);
         return first;
     }
-    psp_uninterrupted(of->speed, of->begins, of->a_min, of->lag, fmin(t - of->dead_time, of->braked), &speed, &then);
+    const double braking = fmin(t - of->dead_time, of->braked);
+    if (of->lag > 0.0) psp_uninterrupted(of->speed, of->begins, of->a_min, of->lag, braking, &speed, &then);
+    else psp_unstopped_at_once(of->speed, of->a_min, braking, &speed, &then);
     return of->first + then;
 }
 
@@ -73,8 +75,9 @@ static double bound_at(const Pair *pair, const Look *at)
 static bool can_be_passed_over(const Pair *pair, const Look *from, const Look *to, double least)
 {
     const double slack = ROUNDING * (1.0 + fabs(to->needed));
-    if (pair->foreign) return psp_hardest(to->needed + slack, pair->ahead.v, from->t) > least + ROUNDING;
-    return from->ahead > to->needed + slack;
+    if (!pair->foreign) return from->ahead > to->needed + slack;
+    const double bound = psp_hardest(to->needed + slack, pair->ahead.v, from->t);
+    return bound > least + ROUNDING || bound == BRAKE_MARGIN_MOST;
 }
 
 /* The least of the bounds at the instants between two, and of `least`. */

@@ -17,6 +17,7 @@ bool finite_or_log(Front *front, const char *name, double value, const char *uni
 bool finite_element(Front *front, const char *name, int vehicle, double value, const char *unit)
 {
     char indexed[48];
+    if (isfinite(value)) return true;
     snprintf(indexed, sizeof indexed, "%s[%d]", name, vehicle);
     return finite_or_log(front, indexed, value, unit);
 }

@@ -47,7 +47,7 @@ typedef struct {
 typedef struct {
     int64_t n, violations, faults, choices; /* n: vehicles at the last choice, and in the basis, which is there from 1 on */
     int64_t remembered;                     /* vehicles that commands and estimates are remembered of, 0 for none */
-    double T_max, T_exact, resolve;
+    double T_max, T_exact, resolve; /* exact_of() knows where T_exact has not been computed yet */
     Shape shape;
     bool in_order, in_domain, watches;
     double a[PSP_N], saturated[PSP_N];
@@ -65,7 +65,7 @@ typedef struct {
 /* Room for a decision: there is none on a stack for many vehicles. */
 typedef struct {
     double a_measured[PSP_N], a_known[PSP_N], a_foreign[PSP_N]; /* of vehicles that drive themselves */
-    double spacing[PSP_N], contact[PSP_N], speed[PSP_N], before[PSP_N], foreign[PSP_N], wanted[PSP_N], gathered[PSP_N];
+    double spacing[PSP_N], contact[PSP_N], speed[PSP_N], before[PSP_N], foreign[PSP_N], wanted[PSP_N];
     double behind_s[PSP_N + 1], behind_v[PSP_N + 1];
     int32_t places[PSP_N];
     Ahead ahead;
@@ -104,7 +104,8 @@ void command_regularly(const Settings *settings, const Seen *seen, const Actuato
 void find_members(const Command *before, const Basis *now, int n, Work *work);
 void give_commands(const Settings *settings, Actuators *issued, const Command *before, const Command *now, Work *work);
 
-/* controller_margin.c: brake_margin, and the number of the vehicle that each one follows. */
+/* controller_margin.c: T_exact, brake_margin, and the number of the vehicle that each one follows. */
+double exact_of(const Settings *settings, const Command *command);
 double margin_of(const Settings *settings, const Command *command, Work *work);
 void followed_of(const Settings *settings, const Command *command, double *followed);
 

@@ -151,7 +151,6 @@ bool part_put_out(Backend *backend, double *outputs)
     outputs[AT(PSP_network_in_domain)] = command->in_domain ? 1.0 : 0.0;
     outputs[AT(PSP_T_max)] = fmin(command->T_max, LONGEST);
     outputs[AT(PSP_lemma1_ok)] = command->T_max > settings->T ? 1.0 : 0.0;
-    outputs[AT(PSP_T_exact)] = fmin(command->T_exact, LONGEST);
     outputs[AT(PSP_certified)] = certified_period(settings, command) > settings->T ? 1.0 : 0.0;
     outputs[AT(PSP_lemma1_violations)] = (double)command->violations;
     outputs[AT(PSP_input_ok)] = command->in_order ? 1.0 : 0.0;
@@ -162,11 +161,14 @@ bool part_put_out(Backend *backend, double *outputs)
     return true;
 }
 
-bool part_put_late(Backend *backend, double *output)
+bool part_put_late(Backend *backend, fmi2ValueReference reference, double *output)
 {
     const Command *command = shown(backend);
-    if (command) *output = margin_of(&backend->model.part.settings, command, &backend->scratch);
-    return command != NULL;
+    const Settings *settings = &backend->model.part.settings;
+    if (!command) return false;
+    if (reference == PSP_T_exact) *output = fmin(exact_of(settings, command), LONGEST);
+    else *output = margin_of(settings, command, &backend->scratch);
+    return true;
 }
 
 fmi2Status backend_directional_derivative(Backend *backend, const fmi2ValueReference unknowns[], size_t unknown_count,

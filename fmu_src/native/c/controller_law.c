@@ -29,7 +29,6 @@ static void ask_the_law(const Settings *settings, const Seen *seen, const Actuat
                         Command *now, Work *work)
 {
     const int n = seen->n;
-    const Places moved = {work->places, work->gathered};
     const bool others = before->remembered > 0 && before->remembered != n;
     Basis *basis = &now->basis;
     Foreign drivers = {seen->automated, work->a_foreign}, *foreign = NULL;
@@ -40,7 +39,7 @@ static void ask_the_law(const Settings *settings, const Seen *seen, const Actuat
         accelerations(&now->watched, n, work->a_measured, work->a_known, work->a_foreign);
     }
     const Predicted predicted = {basis->s_predicted, basis->v_predicted, basis->a_predicted};
-    const Issued known = {issued, others ? &moved : NULL, &settings->actuation, settings->oldest, settings->lags};
+    const Issued known = {issued, others ? work->places : NULL, &settings->actuation, settings->oldest, settings->lags};
     predict(&known, n, basis->s, basis->v, seen->age, foreign, &predicted, &work->ahead);
     const Traffic traffic = {
         .automated = seen->automated,
@@ -107,7 +106,7 @@ static void command_plainly(const Settings *settings, const Seen *seen, Command 
     now->T_max = seen->v_desired < 0.0 ? feedback(c, &now->shape, n, s, v, now->a)
                                        : feedback_towards(c, &now->shape, n, s, v, seen->v_desired, now->a);
     if (limit(settings, n, now)) now->T_max = largest_period(c, n, s, v, now->a);
-    now->T_exact = exact_period(c, NULL, false, n, s, v, now->a);
+    if (settings->certificate == CERTIFICATE_EXACT) now->T_exact = exact_period(c, NULL, false, n, s, v, now->a);
 }
 
 void command_regularly(const Settings *settings, const Seen *seen, const Actuators *issued, const Command *before,

@@ -5,6 +5,14 @@
 
 #include "braking.h"
 
+double exact_of(const Settings *settings, const Command *command)
+{
+    const Basis *basis = &command->basis;
+    const bool later = command->in_order && command->n > 0 && basis->as_measured; /* nobody has asked for it */
+    if (!later || settings->certificate == CERTIFICATE_EXACT) return command->T_exact;
+    return exact_period(&settings->constants, NULL, false, (int)command->n, basis->s, basis->v, command->a);
+}
+
 double margin_of(const Settings *settings, const Command *command, Work *work)
 {
     const Basis *basis = &command->basis;

@@ -18,6 +18,6 @@ typedef struct {
 typedef Work Scratch;
 
 #define PART_ACTUATORS issued
-#define PART_LATE PSP_brake_margin /* takes as long as all others together, and is computed where it is read */
+#define PART_LATE PSP_T_exact, PSP_brake_margin /* take long, and are computed where they are read */
 
 #endif

@@ -91,6 +91,7 @@ bool part_put_out(Backend *backend, double *outputs)
     const double now = speed(part, time);
     outputs[0] = now;
     outputs[1] = psp_held_for(now, speed(part, time + part->T), part->T);
+    outputs[2] = 0.0; /* nothing is commanded to him */
     return true;
 }
 

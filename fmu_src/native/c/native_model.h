@@ -56,8 +56,8 @@ void part_changed(Backend *backend);
 bool part_put_out(Backend *backend, double *outputs);
 
 #ifdef PART_LATE
-/* The output PART_LATE, which part_put_out leaves alone because it is computed only where it is read. */
-bool part_put_late(Backend *backend, double *output);
+/* One of the outputs PART_LATE, which part_put_out leaves alone because they are computed only where they are read. */
+bool part_put_late(Backend *backend, fmi2ValueReference reference, double *output);
 #endif
 
 /* Whether a model that bytes were read into, which is ready, can be; the front remembers `progress` with it. */

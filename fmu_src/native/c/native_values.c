@@ -23,26 +23,42 @@ static bool are_all_outputs(const fmi2ValueReference vr[], size_t count)
 }
 
 #ifdef PART_LATE
-static bool is_late(fmi2ValueReference reference) { return reference == PART_LATE; }
+static const fmi2ValueReference LATE[] = {PART_LATE};
+
+enum { LATE_COUNT = sizeof LATE / sizeof *LATE };
+
+static bool is_late(fmi2ValueReference reference)
+{
+    bool late = false;
+    for (int i = 0; i < LATE_COUNT; i++) late = late || reference == LATE[i];
+    return late;
+}
 
 static bool put_late(Backend *backend, double *outputs)
 {
-    return part_put_late(backend, outputs + (PART_LATE - PSP_FIRST_OUTPUT));
+    for (int i = 0; i < LATE_COUNT; i++) {
+        if (!part_put_late(backend, LATE[i], outputs + (LATE[i] - PSP_FIRST_OUTPUT))) return false;
+    }
+    return true;
 }
 
 /* What nobody has read yet is no number in `values`. */
-static void forget_late(Model *model) { model->values[PART_LATE] = NAN; }
+static void forget_late(Model *model)
+{
+    for (int i = 0; i < LATE_COUNT; i++) model->values[LATE[i]] = NAN;
+}
 
-static bool require_late(Backend *backend)
+static bool require_late(Backend *backend, fmi2ValueReference reference)
 {
     Model *model = &backend->model;
-    return !model->ready || !isnan(model->values[PART_LATE]) || put_late(backend, model->values + PSP_FIRST_OUTPUT);
+    double *value = &model->values[reference];
+    return !model->ready || !isnan(*value) || part_put_late(backend, reference, value);
 }
 #else
 static bool is_late(fmi2ValueReference reference) { return (void)reference, false; }
 static bool put_late(Backend *backend, double *outputs) { return (void)backend, (void)outputs, true; }
 static void forget_late(Model *model) { (void)model; }
-static bool require_late(Backend *backend) { return (void)backend, true; }
+static bool require_late(Backend *backend, fmi2ValueReference reference) { return (void)backend, (void)reference, true; }
 #endif
 
 /* Brings the outputs in `values` up to date; false on failure, which has been logged. */
@@ -65,7 +81,7 @@ fmi2Status backend_get_real(Backend *backend, const fmi2ValueReference vr[], siz
     if (model->stale && !refresh(backend)) return fmi2Error;
     for (size_t i = 0; i < count; i++) {
         if (vr[i] >= PSP_COUNT || native_is_integer(vr[i])) return unknown_reference(backend, vr[i], "Real");
-        if (is_late(vr[i]) && !require_late(backend)) return fmi2Error;
+        if (is_late(vr[i]) && !require_late(backend, vr[i])) return fmi2Error;
         value[i] = values[vr[i]];
     }
     return fmi2OK;

@@ -48,10 +48,10 @@ void predict(const Issued *issued, int n, const double *s, const double *v, doub
     const double horizon = age + issued->actuation->actuation_delay;
     double *const then = predicted->v, *const a = predicted->a;
     memcpy(then, v, (size_t)n * sizeof *v);
-    const double *commands = actuators_foresee(issued->actuators, issued->places, issued->actuation, n,
-                                               issued->span - age, horizon, foreign, then, work->moved, a);
+    actuators_foresee(issued->actuators, issued->places, issued->actuation, n, issued->span - age, horizon, foreign, then,
+                      work->moved, a, work->other);
     for (int i = 0; i < n; i++) {
-        const double own = issued->lags ? a[i] : commands[i];
+        const double own = issued->lags ? a[i] : work->other[i];
         a[i] = psp_unless_standing(then[i], foreign && !(foreign->automated[i] > 0.5) ? foreign->a[i] : own);
     }
     gaps_after(n, s, work->moved, predicted->s);

@@ -13,7 +13,7 @@ typedef struct {
 /* Commands on their way, and how the vehicles act; the actuators are those of `span` before now. */
 typedef struct {
     const Actuators *actuators;
-    const Places *places; /* of the vehicles that there are now; NULL where they are the same */
+    const int32_t *places; /* of the vehicles that there are now; NULL where they are the same */
     const Actuation *actuation;
     double span;
     bool lags; /* of any of the PSP_N vehicles */
