@@ -126,6 +126,13 @@ static void prepare(fmi2Component c, int mode)
     fmi2SetReal(c, &delay, 1, &late);
     fmi2SetReal(c, &lag, 1, &soft);
 #endif
+#if defined(PSP_closing_speed) && defined(PSP_automated)
+    const fmi2ValueReference closing = PSP_closing_speed, first = PSP_automated, known = PSP_a_known;
+    const double slowly = 0.6, none = 0.0;
+    fmi2SetReal(c, &closing, 1, &slowly);
+    fmi2SetReal(c, &first, 1, &none);
+    fmi2SetReal(c, &known, 1, &none);
+#endif
 }
 
 int main(int words, char **word)
