@@ -113,6 +113,13 @@ static void prepare(fmi2Component c, int mode)
 #else
     (void)mode;
 #endif
+#ifdef PSP_leader_automated
+    const fmi2ValueReference real[] = {PSP_kappa, PSP_closing_speed, PSP_length, PSP_leader_automated}, certificate =
+                             PSP_certificate;
+    const double extended[] = {0.5, 0.5, 6.0, 0.0};
+    if (mode > 2) fmi2SetReal(c, real, 4, extended);
+    if (mode > 2) fmi2SetInteger(c, &certificate, 1, &two);
+#endif
 #ifdef PSP_actuation_delay
     const fmi2ValueReference delay = PSP_actuation_delay, lag = PSP_actuator_lag;
     const double late = 0.033, soft = 0.1;
