@@ -11,7 +11,7 @@ from ..law.cooperation import Cooperation, Traffic, contact_spacing, cooperative
 from ..law.potential import Potential
 from ..namespaces import Array, Number, array_namespace
 from ..parameters import Actuation, PlatoonParameters
-from ..sampling.hold import gaps_after
+from ..sampling.hold import spacings_after
 from .actuation import Actuators, Foreign, at_rest, commanded, drive, settle
 from .ride import ride, unless_standing
 
@@ -90,7 +90,7 @@ def predict(
     a = actuators.command if is_off(actuation.actuator_lag) else actuators.a
     if foreign is not None:
         a = array_namespace(v).where(foreign.automated > 0.5, a, foreign.a)
-    return Predicted(gaps_after(s, moved), then, unless_standing(then, a))
+    return Predicted(spacings_after(s, moved), then, unless_standing(then, a))
 
 
 def later(predicted: Predicted, span: Number) -> Predicted:
@@ -101,7 +101,7 @@ def later(predicted: Predicted, span: Number) -> Predicted:
     span : time [s]
     """
     v, moved, _ = ride(predicted.v, predicted.a, predicted.a, 0.0, span)
-    return Predicted(gaps_after(predicted.s, moved), v, unless_standing(v, predicted.a))
+    return Predicted(spacings_after(predicted.s, moved), v, unless_standing(v, predicted.a))
 
 
 def predictive_command(
