@@ -1,4 +1,4 @@
-"""`psp certify`: Lemma 1 for a start or a whole run."""
+"""`psp certify`: Lemma 1, or the exact period, for a start or a whole run."""
 
 from __future__ import annotations
 
@@ -35,9 +35,10 @@ def certify(
     start_only: Annotated[bool, typer.Option("--start-only", help="Judge the start, not the whole run.")] = False,
     json: Json = None,
 ) -> None:
-    """Report whether Lemma 1 certifies T, and who limits it.
+    """Report whether T is certified, and who limits it.
 
-    When, by how much, and the largest T that holds throughout.
+    When, by how much, and the largest T that holds throughout: by Lemma 1, or with --set certificate=2 by the exact
+    period.
 
     The exit code is 0 where the period is certified and 1 where it is not.
     """
@@ -69,7 +70,9 @@ def certify(
     found |= {"origin": case.origin, "warnings": case.warnings, "start": _instant(certificate, 0)}
     if not start_only:
         found |= _whole_run(certificate)
-        found["T_largest"] = largest_certified_period(case.setup.start, shape, wanted.duration)
+        law, chosen = asked.cooperation, asked.sampling.certificate
+        largest = largest_certified_period(asked.start, shape, wanted.duration, cooperation=law, certificate=chosen)
+        found["T_largest"] = largest
         say(f"largest T found that holds throughout {wanted.duration:g} s: {found['T_largest']:.6g} s")
     if place is not None:
         write_json(place, found)
@@ -88,15 +91,15 @@ def _whole_run(certificate: Certificate) -> dict[str, Any]:
 def _instant(certificate: Certificate, k: int) -> dict[str, Any]:
     """One time of a certificate, for JSON."""
     verdict = bool(certificate.certified[k])
-    at = {"t": certificate.time[k], "T": certificate.T, "T_max": certificate.T_max[k], "certified": verdict}
+    at = {"t": certificate.time[k], "T": certificate.T, certificate.bound: certificate.T_max[k], "certified": verdict}
     return at | {"who": certificate.who(k)}
 
 
 def _line(certificate: Certificate, k: int) -> str:
     """T against T_max at one time, and who sets it."""
-    T, bound = certificate.T, certificate.T_max[k]
+    T, bound, name = certificate.T, certificate.T_max[k], certificate.bound
     verdict = "certified" if certificate.certified[k] else "not certified"
     return (
-        f"t = {certificate.time[k]:.6g} s: T = {T:.6g} s, T_max = {bound:.6g} s, {verdict} "
-        f"(T_max/T = {bound / T:.4g}); {certificate.who(k)}"
+        f"t = {certificate.time[k]:.6g} s: T = {T:.6g} s, {name} = {bound:.6g} s, {verdict} "
+        f"({name}/T = {bound / T:.4g}); {certificate.who(k)}"
     )

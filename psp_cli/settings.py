@@ -82,9 +82,18 @@ def setup(values: Mapping[str, float], vehicles: int, has_network: bool = True) 
     ModelError : where a value is outside the model's domain
     BadInput : where a selector has no such choice
     """
-    from fmu_src.interface.meaning import constants_of, request_of, sampling_of, start_of, weights_of
+    from fmu_src.interface.meaning import (
+        constants_of,
+        cooperation_of,
+        join_margin_of,
+        request_of,
+        sampling_of,
+        start_of,
+        weights_of,
+    )
     from fmu_src.interface.platoon import platoon_table
     from psp_model.analysis.cases import Setup
+    from psp_model.validate import validate_law
 
     table = platoon_table(vehicles, default_source=1 if has_network else 2)
     read = {row.name: row.start for row in table if row.start is not None} | dict(values)
@@ -92,13 +101,18 @@ def setup(values: Mapping[str, float], vehicles: int, has_network: bool = True) 
         if row.integer:
             _require_choice(row.name, read[row.name], row.minimum, row.maximum)
     value, rows = read.__getitem__, {row.name: row for row in table}
-    start = start_of(value, vehicles, constants_of(value))
+    constants = constants_of(value)
+    cooperation = cooperation_of(value, rows, vehicles, constants.L)
+    validate_law(cooperation, constants)
+    join_margin_of(value)  # nobody joins here, but a value that is no good is no good
+    start = start_of(value, vehicles, constants, cooperation)
     return Setup(
         start,
         request_of(value, rows),
         weights_of(value),
         sampling_of(value, rows),
         not has_network and "parameter_source" not in values,
+        cooperation,
     )
 
 

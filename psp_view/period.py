@@ -14,7 +14,7 @@ from .style import LINE_STYLES, RC, caption, new_figure
 
 
 def draw_periods(certificates: Mapping[str, Certificate], command: str) -> Figure:
-    """Lemma 1's bound T_max over time for several runs, and the sampling period that it must exceed.
+    """Lemma 1's bound T_max, or the exact period, over time for several runs, and the period that it must exceed.
 
     Parameters
     ----------
@@ -36,10 +36,12 @@ def draw_periods(certificates: Mapping[str, Certificate], command: str) -> Figur
         for T in sorted({certificate.T for certificate in certificates.values()}):
             axes.axhline(T, color="black", linewidth=1.0)
             axes.annotate(f"T = {T:g} s", (1.0, T), xycoords=("axes fraction", "data"), ha="right", va="bottom")
-        axes.set(xlabel="time [s]", ylabel="T_max [s]", yscale="log")
+        bound = " or ".join(sorted({certificate.bound for certificate in certificates.values()}))
+        axes.set(xlabel="time [s]", ylabel=f"{bound} [s]", yscale="log")
         axes.margins(x=0.0)
         axes.legend()
-        text = "Lemma 1: T is certified where it is below T_max. Smallest T_max (dots): "
+        by = "Lemma 1: " if bound == "T_max" else ""
+        text = f"{by}T is certified where it is below {bound}. Smallest {bound} (dots): "
         text += "; ".join(
             f"{name} {c.T_max[c.tightest]:.4g} s, {c.who(c.tightest)}" for name, c in certificates.items()
         )

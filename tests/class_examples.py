@@ -49,7 +49,7 @@ from psp_model.controller import (
 )
 from psp_model.controller import decide as decide_measured
 from psp_model.figures import Figure
-from psp_model.membership import OpenPlatoon, Refusal
+from psp_model.membership import JoinMargin, OpenPlatoon, Refusal
 from psp_model.quantities import quantity_of
 from psp_model.sampling.clock import Clock
 from psp_model.sampling.hold import IDEAL
@@ -226,6 +226,7 @@ EXAMPLES: dict[str, Example] = {
     "Instant": (lambda: platoon().now, itself),
     "Observation": (lambda: platoon().observe(7, 0.5), itself),
     "OpenPlatoon": (open_platoon, changes),
+    "JoinMargin": (lambda: JoinMargin(3.0, -6.0), itself),
     "Refusal": (lambda: Refusal("too near: stay away", 12.5), itself),
     "Request": (lambda: Request(source=ParameterSource.ROLLOUT, rollouts=3), itself),
     "ControllerSettings": (lambda: ControllerSettings(5, a_safe=-1.5), itself),

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..figures import Figure
+from ..law.cooperation import PAPERS_LAW, Cooperation, contact_spacing
 from ..law.potential import PotentialParameters
 from ..objective import HORIZON
 from ..parameters import ObjectiveWeights
@@ -17,7 +18,7 @@ from ..selection.network import ParameterNetwork
 from ..selection.selectors import ParameterSource, Request, select_for
 from ..simulate import simulate
 from ..state import PlatoonState
-from .certificate import Certificate, certify
+from .certificate import Certificate, certify, extended_law
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +32,7 @@ class Setup:
     weights : of the objective
     sampling : period and policy
     no_network : the fixed triple is used because there is no network for this number of vehicles, not by request
+    cooperation : parameters of the law; the paper's by default
     """
 
     start: PlatoonState
@@ -38,6 +40,7 @@ class Setup:
     weights: ObjectiveWeights
     sampling: Sampling
     no_network: bool = False
+    cooperation: Cooperation = PAPERS_LAW
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,8 +66,10 @@ class Case:
 
     @property
     def certificate(self) -> Certificate:
-        """Lemma 1 along the run."""
-        return certify(self.run, self.setup.start.constants, self.setup.sampling.T)
+        """What certifies T along the run."""
+        setup = self.setup
+        certificate = setup.sampling.certificate
+        return certify(self.run, setup.start.constants, setup.sampling.T, setup.cooperation, certificate)
 
 
 def run_case(name: str, setup: Setup, network: ParameterNetwork | None, duration: float = HORIZON) -> Case:
@@ -82,12 +87,14 @@ def run_case(name: str, setup: Setup, network: ParameterNetwork | None, duration
     ModelError : as `select_for` and `simulate` do
     """
     start, request = setup.start, setup.request
-    selection = select_for(start, request, network, setup.weights, setup.sampling)
+    seen = PlatoonState(contact_spacing(start.s, setup.cooperation, start.constants), start.v, start.constants)
+    selection = select_for(seen, request, network, setup.weights, setup.sampling)
     shape, fell_back = selection.potential, selection.warning is not None
     origin = origin_of(request, network, fell_back)
     if setup.no_network and not request.old:
         origin = f"the fixed triple, because there is no network for {start.v.size} vehicles"
-    run = simulate(start, shape, weights=setup.weights, sampling=setup.sampling, duration=duration)
+    law = extended_law(setup.cooperation, setup.sampling.T)
+    run = simulate(start, shape, weights=setup.weights, sampling=setup.sampling, duration=duration, controller=law)
     warnings = (selection.warning,) if selection.warning else ()
     return Case(name, setup, shape, origin, run, warnings)
 
@@ -144,6 +151,7 @@ def _same(one: Case, other: Case) -> bool:
         and one.setup.request.old == other.setup.request.old
         and one.setup.weights == other.setup.weights
         and one.setup.start.constants == other.setup.start.constants
+        and repr(one.setup.cooperation) == repr(other.setup.cooperation)
         and all(np.array_equal(getattr(run, name), getattr(another, name)) for name in ("time", "x", "v", "a", "T_max"))
     )
 

@@ -75,7 +75,7 @@ def certificate(cases: Sequence[Case]) -> str:
         "run",
         "T [s]",
         "certified throughout",
-        "smallest T_max [s]",
+        f"smallest {cases[0].certificate.bound if cases else 'T_max'} [s]",
         "at t [s]",
         "set by",
         "not certified",
@@ -88,7 +88,9 @@ def certificate(cases: Sequence[Case]) -> str:
         stretches = [f"{begin:.4g} to {end:.4g} s" for begin, end in found.refused()]
         if len(stretches) > _MOST_STRETCHES:
             stretches[_MOST_STRETCHES:] = [f"and {len(stretches) - _MOST_STRETCHES} more"]
-        largest = largest_certified_period(case.setup.start, case.shape, float(case.run.time[-1]))
+        setup = case.setup
+        law, chosen, until = setup.cooperation, setup.sampling.certificate, float(case.run.time[-1])
+        largest = largest_certified_period(setup.start, case.shape, until, cooperation=law, certificate=chosen)
         verdict = "yes" if found.certified.all() else "no"
         limit = [f"{found.T_max[k]:.6g}", f"{found.time[k]:g}", found.who(k)]
         rows.append([case.name, f"{found.T:g}", verdict, *limit, ", ".join(stretches) or "never", f"{largest:.6g}"])

@@ -113,11 +113,25 @@ static void prepare(fmi2Component c, int mode)
 #else
     (void)mode;
 #endif
+#ifdef PSP_leader_automated
+    const fmi2ValueReference real[] = {PSP_kappa, PSP_closing_speed, PSP_length, PSP_leader_automated}, certificate =
+                             PSP_certificate;
+    const double extended[] = {0.5, 0.5, 6.0, 0.0};
+    if (mode > 2) fmi2SetReal(c, real, 4, extended);
+    if (mode > 2) fmi2SetInteger(c, &certificate, 1, &two);
+#endif
 #ifdef PSP_actuation_delay
     const fmi2ValueReference delay = PSP_actuation_delay, lag = PSP_actuator_lag;
     const double late = 0.033, soft = 0.1;
     fmi2SetReal(c, &delay, 1, &late);
     fmi2SetReal(c, &lag, 1, &soft);
+#endif
+#if defined(PSP_closing_speed) && defined(PSP_automated)
+    const fmi2ValueReference closing = PSP_closing_speed, first = PSP_automated, known = PSP_a_known;
+    const double slowly = 0.6, none = 0.0;
+    fmi2SetReal(c, &closing, 1, &slowly);
+    fmi2SetReal(c, &first, 1, &none);
+    fmi2SetReal(c, &known, 1, &none);
 #endif
 }
 

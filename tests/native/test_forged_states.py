@@ -141,11 +141,15 @@ def _forged(value: Any) -> Iterator[Any]:
         yield from ([forged, *value[1:]] for forged in _forged(value[0]))
 
 
-@pytest.mark.parametrize("component", NATIVE)
-def test_no_forged_state_of_a_python_fmu_does_harm(component, tmp_path):
+DELAYED = {"actuation_delay": 0.033, "actuator_lag[1]": 0.1}
+EXTENDED = {"kappa": 0.5, "closing_speed": 0.5, "length[1]": 6.0, "leader_automated": 0.0, "certificate": 2}
+SETTINGS = [(component, {"plant": DELAYED, "leader": {}}.get(component, CHOSEN)) for component in NATIVE]
+
+
+@pytest.mark.parametrize(("component", "values"), [*SETTINGS, ("platoon", CHOSEN | EXTENDED)])
+def test_no_forged_state_of_a_python_fmu_does_harm(component, values, tmp_path):
     fmu: Unpacked = built("python", 3, tmp_path, component)
     instance = Instance(fmu)
-    values = {"plant": {"actuation_delay": 0.033, "actuator_lag[1]": 0.1}, "leader": {}}.get(component, CHOSEN)
     assert instance.initialise(values) == OK and instance.step(0.0, 0.053) == OK
     data = bytes(instance.slave.serializeFMUState(instance.slave.getFMUState()))
     assert take(instance, data) == OK

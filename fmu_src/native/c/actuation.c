@@ -139,11 +139,13 @@ static Lags lags_of(const Actuation *actuation, int n)
 
 double first_stop(double v, double a, double command, double lag, double low)
 {
-    double t = a < command ? 0.0 : low;
-    for (int k = 0; k < NEWTON_STEPS; k++) {
+    double t = a < command ? 0.0 : low, before = -1.0;
+    for (int left = NEWTON_STEPS; left > 0; left--) {
         const double nearer = lag > 0.0 ? psp_nearer_stop(v, a, command, lag, t, low)
                                         : psp_nearer_stop_at_once(v, command, t, low);
-        if (nearer == t) break; /* and so it would stay */
+        if (nearer == before) return left % 2 ? nearer : t; /* between two numbers, and so it would go on */
+        if (nearer == t) break;                             /* and so it would stay */
+        before = t;
         t = nearer;
     }
     return t;
