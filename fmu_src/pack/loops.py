@@ -186,7 +186,8 @@ def write_road_loop(
     for scenario, parameters in sets["leader"].items():
         profile = "v_high" not in parameters
         begins = speed_of(leader, parameters).speed(-parameters["begin"] if profile else 0.0)
-        sets["plant"][scenario]["v_start[1]"] = values.get("v_start[1]", begins)
+        if "v_start[1]" not in values:
+            sets["plant"][scenario]["v_start[1]"] = begins
         for i in range(1, vehicles + 1):
             sets["controller"][scenario][f"length[{i}]"] = sets["plant"][scenario][f"length[{i}]"]
     watched = {"plant": [f"clearance[{i}]" for i in range(2, vehicles + 1)]}

@@ -40,7 +40,8 @@ static bool next(Platoon *platoon, Front *front)
 
 static Platoon begin(int n, const double *row)
 {
-    Platoon platoon = {.policy = POLICY_SHORTEN, .max_short_periods = 1, .T = row[11]};
+    Platoon platoon = {.policy = POLICY_SHORTEN, .max_short_periods = 1, .T = row[11], .certificate = CERTIFICATE_LEMMA1};
+    platoon.papers = 1; /* the law is the paper's */
     memcpy(&platoon.constants, row, sizeof platoon.constants);
     memcpy(&platoon.shape, row + 7, sizeof platoon.shape);
     platoon.now.n = n;
@@ -56,7 +57,7 @@ void follow(int n, int count, int periods, int stall, const double *starts, doub
     for (int k = 0; k < count; k++, starts += GIVEN + 2 * n - 1, ends += AT_END + 2 * n - 1) {
         Platoon platoon = begin(n, starts);
         double instants = 1.0, shortened = 0.0, most = 0.0, room = INFINITY;
-        bool going = platoon_sample(&platoon, &front, fmi2Error);
+        bool going = platoon_sample(&platoon, &front, 0.0, fmi2Error);
         enum Fate fate = look(&platoon, &room);
         while (fate == FINE && going && platoon.now.period < periods) {
             const int64_t period = platoon.now.period;

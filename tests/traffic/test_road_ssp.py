@@ -196,11 +196,12 @@ def test_the_first_vehicle_begins_at_the_leader_s_speed(tmp_path, fmus):
     (tmp_path / "profile.csv").write_text("0,17.5\n5,20\n10,20\n")
     runtime = "native" if "Native" in fmus["plant"].name else "python"
     leader = built("leader", runtime, tmp_path, "--profile", str(tmp_path / "profile.csv"))
-    for more, speed in (({}, 17.5), ({"begin": -2.0}, 18.5), ({"v_start[1]": 12.0}, 12.0)):
+    for more, speed in (({}, 17.5), ({"begin": -2.0}, 18.5), ({"v_start[1]": 12}, 12.0)):
         path = write_road_loop(tmp_path / "road.ssp", fmus["plant"], fmus["controller"], leader, N, STARTS | more)
         for root in system_files(path).values():
-            assert bound_parameters(root)["plant"][0]["v_start[1]"] == speed
             bound = bound_parameters(root)
+            values, types = bound["plant"]
+            assert values["v_start[1]"] == speed and types["v_start[1]"] == "Real"
             assert bound["controller"][0]["length[2]"] == bound["plant"][0]["length[2]"] == 5.0
 
 
