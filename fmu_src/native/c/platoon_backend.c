@@ -122,8 +122,9 @@ bool part_put_out(Backend *backend, double *outputs)
     return true;
 }
 
-bool part_put_late(Backend *backend, double *output)
+bool part_put_late(Backend *backend, fmi2ValueReference reference, double *output)
 {
+    (void)reference; /* T_exact is the only one */
     const Platoon *platoon = &backend->model.part.platoon;
     const double T_exact = platoon->certificate == CERTIFICATE_EXACT ? platoon->now.bound : platoon_exact(platoon);
     *output = T_exact < LONGEST ? T_exact : LONGEST;
