@@ -58,7 +58,7 @@ def measure(context: Context) -> list[Row]:
         if number % 5 == 0:
             context.say(f"start {number + 1} of {starts}")
         s, v = StartDomain().draw(rng, 7, 1)
-        real = {f"s_start[{i}]": float(gap) for i, gap in enumerate(s[:, 0], start=2)}
+        real = {f"s_start[{i}]": float(spacing) for i, spacing in enumerate(s[:, 0], start=2)}
         real |= {f"v_start[{i}]": float(speed) for i, speed in enumerate(v[:, 0], start=1)}
         for case, (potential, source) in CASES.items():
             integer = {"potential": potential, "parameter_source": source}

@@ -57,11 +57,11 @@ class Fmu:
     v_start: int = -1
     source: int = -1
 
-    def arguments(self, gap: float) -> list[str]:
+    def arguments(self, spacing: float) -> list[str]:
         """For step_host, from the library on."""
         platform = host_platform()
         library = Path(self.folder) / "binaries" / platform / f"{self.model}.{ENDINGS[platform]}"
-        numbers = [self.vehicles, self.outputs, self.first_output, self.s_start, self.v_start, self.source, gap]
+        numbers = [self.vehicles, self.outputs, self.first_output, self.s_start, self.v_start, self.source, spacing]
         return [str(library), (Path(self.folder) / "resources").as_uri(), self.guid, *map(str, numbers)]
 
 
@@ -188,17 +188,17 @@ def libpython() -> str:
     return str(Path(folder) / name)
 
 
-def host(kind: str, under: Fmu, which: str, gap: float) -> Worker:
+def host(kind: str, under: Fmu, which: str, spacing: float) -> Worker:
     """A worker that steps an FMU: which = C host, ctypes or fmpy."""
     errors = CACHE / f"{which} {kind} {under.vehicles}.log".replace(" ", "_")
     if which != "C host":
         command = [sys.executable, str(HOSTS / "python_host.py"), which, under.folder, under.model]
-        return Worker([*command, *under.arguments(gap)], errors)
+        return Worker([*command, *under.arguments(spacing)], errors)
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     environment = {"PATH": path} | ({"LD_PRELOAD": libpython()} if kind == "empty python" else {})
-    return Worker([str(compiled("step_host")), *under.arguments(gap)], errors, environment)
+    return Worker([str(compiled("step_host")), *under.arguments(spacing)], errors, environment)
 
 
-def loop(vehicles: int, gap: float) -> Worker:
+def loop(vehicles: int, spacing: float) -> Worker:
     """A worker that runs the hand-written loop."""
-    return Worker([str(compiled("step_loop", vehicles)), str(gap)], CACHE / f"loop_{vehicles}.log")
+    return Worker([str(compiled("step_loop", vehicles)), str(spacing)], CACHE / f"loop_{vehicles}.log")

@@ -16,9 +16,9 @@ SIZES = (2, 7, 20, 100, 1000, 10_000, 100_000)
 SEGMENT = 50  # sampling periods from the same start, as the hand-written loop does them
 
 
-def stepper(n: int, gap: float) -> Callable[[], float]:
+def stepper(n: int, spacing: float) -> Callable[[], float]:
     """Gives seconds per sampling period, over segments that last some hundredths of a second in all."""
-    start = PlatoonState([gap + 0.05 * (i % 5) for i in range(n - 1)], [30.0 + 0.01 * (i % 7) for i in range(n)])
+    start = PlatoonState([spacing + 0.05 * (i % 5) for i in range(n - 1)], [30.0 + 0.01 * (i % 7) for i in range(n)])
     segments = max(1, 2000 // n)
 
     def measure() -> float:
@@ -43,9 +43,9 @@ def measure(context: Context) -> list[Row]:
         context.say(f"n = {n}")
         with ExitStack() as stack:
             measures = {}
-            for case, gap in (("on", ON_HILL), ("off", OFF_HILL)):
-                measures[f"ours, {case}"] = stepper(n, gap)
-                measures[f"loop, {case}"] = stack.enter_context(loop(n, gap)).seconds
+            for case, spacing in (("on", ON_HILL), ("off", OFF_HILL)):
+                measures[f"ours, {case}"] = stepper(n, spacing)
+                measures[f"loop, {case}"] = stack.enter_context(loop(n, spacing)).seconds
             found = by_size[n] = interleave(measures, context.rounds(7), 12.0)
         for case in ("on", "off"):
             title, pair = f"psp_model in NumPy, {case} the hill", (found[f"ours, {case}"], found[f"loop, {case}"])

@@ -53,8 +53,8 @@ class Measurement:
 
 MEASUREMENTS = (
     Measurement("steps", "A step of the FMU", "native"),
-    Measurement("predictor", "A step of the controller that predicts", "native"),
     Measurement("model", "A step of the model in NumPy", "native"),
+    Measurement("predictor", "A step of the controller that predicts", "native"),
     Measurement("network", "The network", "native"),
     Measurement("first_step", "From loading the FMU to the end of the first step", "native"),
     Measurement("instances", "Many instances in one process", "native"),

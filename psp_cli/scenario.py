@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AliasChoices, BaseModel, ConfigDict, Field, ValidationError
 
 from psp_model import PspError, StartDomain
 
@@ -26,9 +26,9 @@ class _Strict(BaseModel):
 
 
 class StartTable(_Strict):
-    """`[start]`: spacings (key `gaps`) and speeds, or a seed to draw them by from the networks' training domain."""
+    """`[start]`: spacings (`gaps` in older files) and speeds, or a seed to draw them from the training domain."""
 
-    gaps: list[Number] | None = None
+    spacings: Annotated[list[Number] | None, Field(validation_alias=AliasChoices("spacings", "gaps"))] = None
     speeds: list[Number] | None = None
     position: Number = 0.0
     seed: Annotated[int, Field(ge=0)] | None = None
@@ -198,18 +198,18 @@ def start_values(start: StartTable, vehicles: int) -> dict[str, float]:
     ------
     BadInput : where the table says too little, too much, or the wrong number of values
     """
-    if start.seed is not None and (start.gaps or start.speeds):
-        raise BadInput("start has a seed besides gaps or speeds: give the values, or the seed to draw them by")
+    if start.seed is not None and (start.spacings or start.speeds):
+        raise BadInput("start has a seed besides spacings or speeds: give the values, or the seed to draw them by")
     if start.seed is not None:
         return drawn(start.seed, vehicles)
     values = {"x_start": quantity(start.position, "m", "position")} if start.position else {}
     for given, letter, unit, count in (
-        (start.gaps, "s", "m", vehicles - 1),
+        (start.spacings, "s", "m", vehicles - 1),
         (start.speeds, "v", "m/s", vehicles),
     ):
         if given is None:
             continue
-        word = "gaps" if letter == "s" else "speeds"
+        word = "spacings" if letter == "s" else "speeds"
         if len(given) != count:
             raise BadInput(f"{len(given)} {word} do not fit {vehicles} vehicles: give {count}")
         first = vehicles - count + 1

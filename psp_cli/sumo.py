@@ -88,7 +88,7 @@ def sumo(
         else:
             found = _compare(names, used, seeds, duration, leader, results)
             if plot is not None:
-                _draw_gaps(names[0], used, seed, duration, leader, plot)
+                _draw_spacings(names[0], used, seed, duration, leader, plot)
     if place is not None:
         write_json(place, found)
 
@@ -221,7 +221,7 @@ def _sweep(
     return {"seeds": list(seeds), "sweeps": plain}
 
 
-def _draw_gaps(name: str, fmu: Path, seed: int, duration: float | None, leader: Profile | None, plot: Path) -> None:
+def _draw_spacings(name: str, fmu: Path, seed: int, duration: float | None, leader: Profile | None, plot: Path) -> None:
     """One run of each driver from one start, as a picture."""
     from psp_traffic.compare import drivers, situation
     from psp_traffic.simulation import simulate

@@ -123,7 +123,7 @@ def _train(
             )
         losses = draw_losses(ranking.fit.history, ranking.fit.best_epoch, command, "cross entropy")
         save_png(losses, files.picture("ranking"), dpi=100)
-    numbers = data.vehicles if recipe.per_gap else None
+    numbers = data.vehicles if recipe.per_spacing else None
     made = "; ".join(made_by(each) for each in data.sets)
     origin = Provenance(data.problem, data.domain, recipe.name, data.sha256, command, seed, made, numbers)
     write_network(files.output, parameters.layers, origin, ranking and ranking.layers, dictionary, parameters.structure)

@@ -51,15 +51,15 @@ SENTENCES = {
     "empty": "no alpha, r, p keeps max |V_new'| on the hill below z = %.10g m/s2: raise z or widen lambda - L",
     "vehicles": "%d vehicles are too few: a platoon has at least 2",
     "shape": "%d spacings and %d speeds do not belong to one platoon: n vehicles have n - 1 spacings and n speeds",
-    "gap": "spacing s[%d] = %.10g m must exceed L = %.10g m: start the vehicles further apart or lower L",
-    "gap_order": "spacing s[%d] = %.10g m must be above 0 m: start vehicle %d behind vehicle %d",
-    "gap_length": "spacing s[%d] = %.10g m must exceed the length of vehicle %d, %.10g m: start the vehicles further "
-    "apart, or correct that length",
+    "spacing": "spacing s[%d] = %.10g m must exceed L = %.10g m: start the vehicles further apart or lower L",
+    "spacing_order": "spacing s[%d] = %.10g m must be above 0 m: start vehicle %d behind vehicle %d",
+    "spacing_length": "spacing s[%d] = %.10g m must exceed the length of vehicle %d, %.10g m: start the vehicles "
+    "further apart, or correct that length",
     "speed": "speed v[%d] = %.10g m/s must lie in [0, %.10g] m/s: start vehicle %d no faster than v_max, or raise "
     "v_max",
     "speed_backwards": "speed v[%d] = %.10g m/s must lie in [0, %.10g] m/s: start vehicle %d at 0 m/s or more",
-    "lemma1_gap": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1), as vehicle %d could close its "
-    "spacing s[%d] = %.10g m to L = %.10g m at v_max = %.10g m/s within T: choose T < %.10g s, or lemma1_policy 3",
+    "lemma1_spacing": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1), as vehicle %d could close "
+    "its spacing s[%d] = %.10g m to L = %.10g m at v_max = %.10g m/s within T: choose T < %.10g s, or lemma1_policy 3",
     "lemma1_fast": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1), as vehicle %d, at v[%d] = "
     "%.10g m/s with a[%d] = %.10g m/s2, would reach v_max = %.10g m/s within T: choose T < %.10g s, or lemma1_policy "
     "3",
@@ -69,7 +69,7 @@ SENTENCES = {
     "lemma1_length": "T = %.10g s is not below T_max = %.10g s at t = %.10g s (Lemma 1), as vehicle %d could close its "
     "spacing s[%d] = %.10g m to the length of the vehicle ahead, %.10g m, at v_max = %.10g m/s within T: choose T < "
     "%.10g s, or lemma1_policy 3",
-    "exact_gap": "T = %.10g s is not below T_exact = %.10g s at t = %.10g s, as vehicle %d would close its spacing "
+    "exact_spacing": "T = %.10g s is not below T_exact = %.10g s at t = %.10g s, as vehicle %d would close its spacing "
     "s[%d] = %.10g m to %.10g m within T: choose T < %.10g s, or lemma1_policy 3",
     "exact_fast": "T = %.10g s is not below T_exact = %.10g s at t = %.10g s, as vehicle %d, at v[%d] = %.10g m/s with "
     "a[%d] = %.10g m/s2, would reach v_max = %.10g m/s within T: choose T < %.10g s, or lemma1_policy 3",
@@ -92,7 +92,7 @@ SENTENCES = {
     "network_vehicles": "the network file %s is made for %d vehicles, not for %d: use the one for this platoon, or "
     "parameter_source 2",
     "fallback": "the initial state has %s: alpha = %.10g, r = %.10g m, p = %.10g are used instead of the network's",
-    "left_gap": "spacing s[%d] = %.10g m has fallen to L = %.10g m at t = %.10g s, where the model ends: choose a "
+    "left_spacing": "spacing s[%d] = %.10g m has fallen to L = %.10g m at t = %.10g s, where the model ends: choose a "
     "smaller T, or lemma1_policy 3",
     "left_length": "spacing s[%d] = %.10g m has fallen to the length of the vehicle ahead, %.10g m, at t = %.10g s, "
     "where vehicles touch: choose a smaller T, or lemma1_policy 3",
@@ -119,7 +119,7 @@ SENTENCES = {
     "v_desired_backwards": "v_desired = %.10g m/s is below 0 m/s: give it 0 m/s to stand, or -1 m/s for v_star",
     "v_desired_finite": "v_desired = %.10g m/s is not a finite number: give it a speed from 0 m/s to v_max = %.10g "
     "m/s, or -1 m/s for v_star",
-    "measured_gap": "the measured spacing s[%d] = %.10g m does not exceed L = %.10g m, and no feedback is defined "
+    "measured_spacing": "the measured spacing s[%d] = %.10g m does not exceed L = %.10g m, and no feedback is defined "
     "there: keep the vehicles apart, check the sensor, or lower L",
     "measured_clearance": "the measured spacing s[%d] = %.10g m does not exceed the length of vehicle %d, %.10g m, "
     "and no feedback is defined where vehicles touch: keep them apart, check the sensor, or correct that length",
@@ -135,7 +135,7 @@ SENTENCES = {
     "safe_action": "the fail-safe command is given at t = %.10g s: %s",
     "lemma1_controller": "T = %.10g s is not below T_max = %.10g s at t = %.10g s for the %s spacings and speeds "
     "(Lemma 1): choose T < %.10g s, or lemma1_policy 2",
-    "lemma1_controller_gap": "T = %.10g s is not below T_max = %.10g s at t = %.10g s for the %s spacing s[%d] = "
+    "lemma1_controller_spacing": "T = %.10g s is not below T_max = %.10g s at t = %.10g s for the %s spacing s[%d] = "
     "%.10g m (Lemma 1): keep that spacing above %.10g m, choose T < %.10g s, or lemma1_policy 2",
     "exact_controller": "T = %.10g s is not below T_exact = %.10g s at t = %.10g s, after which the commands held "
     "would take a spacing to its limit or a speed out of [0, v_max]: choose T < %.10g s, or lemma1_policy 2",
@@ -151,19 +151,19 @@ SENTENCES = {
     "m/s to v_max = %.10g m/s",
     "insert_backwards": "the joining vehicle's speed %.10g m/s must lie in [0, %.10g] m/s: let it join at 0 m/s or "
     "more",
-    "insert_gap": "a vehicle cannot join at place %d with a spacing of %.10g m at %.10g m/s, where T = %.10g s would "
-    "not be below T_max (Lemma 1): a spacing of %.10g m would be accepted",
+    "insert_spacing": "a vehicle cannot join at place %d with a spacing of %.10g m at %.10g m/s, where T = %.10g s "
+    "would not be below T_max (Lemma 1): a spacing of %.10g m would be accepted",
     "insert_none": "a vehicle cannot join at place %d with a spacing of %.10g m at %.10g m/s, where T = %.10g s "
     "would not be below T_max (Lemma 1): no spacing would be accepted there now, let it join at another place, speed "
     "or time",
     "insert_length": "the joining vehicle's length %.10g m must be a finite number, not below 0 m: give it its length, "
     "or 0 m for L",
-    "insert_gap_exact": "a vehicle cannot join at place %d with a spacing of %.10g m at %.10g m/s, where T = %.10g s "
-    "would not be below T_exact: a spacing of %.10g m would be accepted",
+    "insert_spacing_exact": "a vehicle cannot join at place %d with a spacing of %.10g m at %.10g m/s, where T = %.10g "
+    "s would not be below T_exact: a spacing of %.10g m would be accepted",
     "insert_none_exact": "a vehicle cannot join at place %d with a spacing of %.10g m at %.10g m/s, where T = %.10g s "
     "would not be below T_exact: no spacing would be accepted there now, let it join at another place, speed or time",
-    "insert_gap_margin": "a vehicle cannot join at place %d with a spacing of %.10g m at %.10g m/s, where the brake "
-    "margin would be below join_brake_margin = %.10g m/s2: a spacing of %.10g m would be accepted",
+    "insert_spacing_margin": "a vehicle cannot join at place %d with a spacing of %.10g m at %.10g m/s, where the "
+    "brake margin would be below join_brake_margin = %.10g m/s2: a spacing of %.10g m would be accepted",
     "insert_none_margin": "a vehicle cannot join at place %d with a spacing of %.10g m at %.10g m/s, where the brake "
     "margin would be below join_brake_margin = %.10g m/s2: no spacing would be accepted there now, let it join at "
     "another place, speed or time",

@@ -30,11 +30,11 @@ class Refusal:
     Attributes
     ----------
     sentence : problem and remedy
-    gap : a spacing at which the vehicle may join at this speed and time, NaN if there is none [m]
+    spacing : a spacing at which the vehicle may join at this speed and time, NaN if there is none [m]
     """
 
     sentence: str
-    gap: float = np.nan
+    spacing: float = np.nan
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class _Joining:
     seen : the platoon at that time
     at : the time, as period and fraction
     place : of the vehicle ahead, 0 for none
-    gap : to it, or with 0 to the old leader [m]
+    spacing : to it, or with 0 to the old leader [m]
     speed, length : [m/s], [m]
     lengths : (n + 1,) of all vehicles with it [m]
     """
@@ -68,7 +68,7 @@ class _Joining:
     seen: Observation
     at: tuple[int, float]
     place: int
-    gap: float
+    spacing: float
     speed: float
     length: float
     lengths: Vector
@@ -115,14 +115,14 @@ class OpenPlatoon:
         return cls(platoon, capacity, choose, tuple(range(1, n + 1)), n)
 
     def insert(
-        self, behind: float, gap: float, speed: float, period: int, fraction: float, length: float = 0.0
+        self, behind: float, spacing: float, speed: float, period: int, fraction: float, length: float = 0.0
     ) -> tuple[OpenPlatoon, Refusal | None]:
         """Let a vehicle join, if T is certified for the platoon with it, under any policy.
 
         Parameters
         ----------
         behind : place of the vehicle it joins behind, 1 for the leader; 0: it becomes the leader
-        gap : to the vehicle at that place, or with 0 to the old leader [m]
+        spacing : to the vehicle at that place, or with 0 to the old leader [m]
         speed : of the joining vehicle [m/s]
         period, fraction : the time, as `SampledPlatoon.take_over` takes it; instants up to it have been passed
         length : of the joining vehicle, 0 for L; other lengths need an `ExtendedLaw` [m]
@@ -148,7 +148,7 @@ class OpenPlatoon:
             return self, Refusal(str(error))
         seen, length = self.platoon.observe(period, fraction), length or constants.L
         lengths = np.insert(self._lengths(), place, length)
-        joining = _Joining(seen, (period, fraction), place, gap, speed, length, lengths)
+        joining = _Joining(seen, (period, fraction), place, spacing, speed, length, lengths)
         with_it = self._certified(joining, True)
         if with_it is None or not self._can_brake(with_it):
             return self, self._what_would_do(joining, with_it is None)
@@ -215,13 +215,13 @@ class OpenPlatoon:
 
     def _with(self, joining: _Joining) -> tuple[float, Vector, Vector] | None:
         """Leader's position, spacings and speeds with one more vehicle; None where vehicles would touch."""
-        seen, place, gap, L = joining.seen, joining.place, joining.gap, self.platoon.constants.L
+        seen, place, spacing, L = joining.seen, joining.place, joining.spacing, self.platoon.constants.L
         v = np.insert(seen.v, place, joining.speed)
-        x = float(seen.x[0]) + (gap if place == 0 else 0.0)
-        s = np.insert(seen.s, max(place - 1, 0), gap)
+        x = float(seen.x[0]) + (spacing if place == 0 else 0.0)
+        s = np.insert(seen.s, max(place - 1, 0), spacing)
         if 0 < place < len(self.vehicles):
-            s[place] = s[place] - gap
-        return (x, s, v) if np.isfinite(gap) and (s - (joining.lengths[:-1] - L) > L).all() else None
+            s[place] = s[place] - spacing
+        return (x, s, v) if np.isfinite(spacing) and (s - (joining.lengths[:-1] - L) > L).all() else None
 
     def _certified(self, joining: _Joining, anew: bool) -> SampledPlatoon | None:
         """The platoon with one more vehicle if T is certified; with the potential in use unless chosen `anew`."""
@@ -249,15 +249,15 @@ class OpenPlatoon:
 
     def _what_would_do(self, joining: _Joining, certificate: bool) -> Refusal:
         """The rejection of a join, with the nearest spacing found at which it may join."""
-        constants, place, gap = self.platoon.constants, joining.place, joining.gap
+        constants, place, spacing = self.platoon.constants, joining.place, joining.spacing
         inside = 0 < place < len(self.vehicles)
         least = float(joining.lengths[max(place - 1, 0)])
         most = float(joining.seen.s[place - 1]) - joining.length if inside else least + 5 * constants.lam
         probes = np.linspace(least, most, _PROBES + 2)[1:-1] if most > least else np.empty(0)
-        wanted = gap if np.isfinite(gap) else constants.lam
+        wanted = spacing if np.isfinite(spacing) else constants.lam
         found = []
         for probe in probes[np.argsort(abs(probes - wanted), kind="stable")].tolist():
-            if self._may_join(replace(joining, gap=probe), False):
+            if self._may_join(replace(joining, spacing=probe), False):
                 found.append(probe)
             if len(found) == _TRUSTED:
                 break
@@ -265,10 +265,10 @@ class OpenPlatoon:
         if certificate:
             key, limit = "_exact" if self.platoon.loop.exact else "", self.platoon.loop.T
         for probe in found:
-            if self._may_join(replace(joining, gap=probe), True):
-                error = ModelError(f"insert_gap{key}", place + 1, gap, joining.speed, limit, probe)
+            if self._may_join(replace(joining, spacing=probe), True):
+                error = ModelError(f"insert_spacing{key}", place + 1, spacing, joining.speed, limit, probe)
                 return Refusal(str(error), probe)
-        return Refusal(str(ModelError(f"insert_none{key}", place + 1, gap, joining.speed, limit)))
+        return Refusal(str(ModelError(f"insert_none{key}", place + 1, spacing, joining.speed, limit)))
 
 
 def _merged(s: Vector, gone: int) -> Vector:

@@ -23,10 +23,10 @@ def running_cost(s: Array, v: Array, a: Array, tau: Number, weights: ObjectiveWe
 
     Returns
     -------
-    of_acceleration, of_gaps : (...) arrays [s], weights included
+    of_acceleration, of_spacings : (...) arrays [s], weights included
     """
     ends = v[0] - v[-1], a[0] - a[-1]
-    return acceleration_cost(total(a * a), tau, weights), gap_cost(total(s), *ends, tau, weights)
+    return acceleration_cost(total(a * a), tau, weights), spacing_cost(total(s), *ends, tau, weights)
 
 
 def acceleration_cost(squares: Array, tau: Number, weights: ObjectiveWeights) -> Array:
@@ -45,12 +45,12 @@ def acceleration_cost(squares: Array, tau: Number, weights: ObjectiveWeights) ->
     return weights.w1 * tau * squares / weights.a_ref / weights.a_ref  # a_ref^2 might overflow or vanish
 
 
-def gap_cost(gaps: Array, dv: Array, da: Array, tau: Number, weights: ObjectiveWeights) -> Array:
+def spacing_cost(spacings: Array, dv: Array, da: Array, tau: Number, weights: ObjectiveWeights) -> Array:
     """w2 (tau sum s + tau^2/2 dv + tau^3/6 da) / s_ref (paper, second term of the objective).
 
     Parameters
     ----------
-    gaps : (...) array, sum of the spacings at the sampling instant [m]
+    spacings : (...) array, sum of the spacings at the sampling instant [m]
     dv, da : (...) arrays, v_1 - v_n [m/s] and a_1 - a_n [m/s2] at the sampling instant
     tau : time since the sampling instant [s]
     weights : w2 and s_ref, numbers or symbols
@@ -59,4 +59,4 @@ def gap_cost(gaps: Array, dv: Array, da: Array, tau: Number, weights: ObjectiveW
     -------
     (...) array [s]
     """
-    return weights.w2 / weights.s_ref * (tau * (gaps + tau * (0.5 * dv + tau / 6.0 * da)))
+    return weights.w2 / weights.s_ref * (tau * (spacings + tau * (0.5 * dv + tau / 6.0 * da)))

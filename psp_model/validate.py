@@ -186,11 +186,11 @@ def _check_start(state: PlatoonState, lengths: NDArray[np.float64] | None) -> No
     _require(isfinite(state.x_leader), "finite", "x_start", state.x_leader, "m")
     for i, spacing in enumerate(s.tolist(), start=2):
         _require(isfinite(spacing), "finite", f"s_start[{i}]", spacing, "m")
-        _require(spacing > 0, "gap_order", i, spacing, i, i - 1)
+        _require(spacing > 0, "spacing_order", i, spacing, i, i - 1)
         if lengths is None or lengths[i - 2] == constants.L:
-            _require(spacing > constants.L, "gap", i, spacing, constants.L)
+            _require(spacing > constants.L, "spacing", i, spacing, constants.L)
         else:
-            _require(bool(spacing > lengths[i - 2]), "gap_length", i, spacing, i - 1, lengths[i - 2])
+            _require(bool(spacing > lengths[i - 2]), "spacing_length", i, spacing, i - 1, lengths[i - 2])
     for i, speed in enumerate(v.tolist(), start=1):
         _require(isfinite(speed), "finite", f"v_start[{i}]", speed, "m/s")
         _require(speed >= 0, "speed_backwards", i, speed, constants.v_max, i)

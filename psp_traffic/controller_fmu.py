@@ -36,8 +36,8 @@ class ControllerFmu:
         self.description = read_model_description(self.folder)
         self.variables = {variable.name: variable for variable in self.description.modelVariables}
         n = self.capacity = sum(name.startswith("a[") for name in self.variables)
-        gaps, speeds = [f"s[{i}]" for i in range(2, n + 1)], [f"v[{i}]" for i in range(1, n + 1)]
-        self.inputs = (*gaps, *speeds, *_OTHERS)
+        spacings, speeds = [f"s[{i}]" for i in range(2, n + 1)], [f"v[{i}]" for i in range(1, n + 1)]
+        self.inputs = (*spacings, *speeds, *_OTHERS)
         named = (f"{name}[{i}]" for name in ("a", "saturated") for i in range(1, n + 1))
         self.outputs = (*named, "lemma1_ok", "input_ok")
         self.resting = np.array([float(self.variables[name].start) for name in self.inputs])  # start values

@@ -23,12 +23,12 @@ class Measures:
     Attributes
     ----------
     collisions : pairs of vehicles that touched
-    gap_min : smallest clearance, 0 if vehicles touched [m]
+    clearance_min : smallest clearance, 0 if vehicles touched [m]
     ttc_min : smallest time to collision while closing [s]
     a_peak, a_rms : of accelerations [m/s2]
     jerk_peak, jerk_rms : [m/s3]
     capacity : vehicles per hour, from the last 10 s; behind a leader, all but the first 30 s
-    gap_mean : mean spacing over the same time [m]
+    spacing_mean : mean spacing over the same time [m]
     settling : time after which all speeds stay within 0.5 m/s of v_star [s]; infinite if never, NaN behind a leader
     amplification : r.m.s. acceleration of the last vehicle over that of the leader, behind a leader without the first
         30 s; NaN where the leader keeps its speed
@@ -36,21 +36,21 @@ class Measures:
     """
 
     collisions: int
-    gap_min: float
+    clearance_min: float
     ttc_min: float
     a_peak: float
     a_rms: float
     jerk_peak: float
     jerk_rms: float
     capacity: float
-    gap_mean: float
+    spacing_mean: float
     settling: float
     amplification: float
     co2: float
     fuel: float
 
 
-def gaps(record: Record) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
+def spacings(record: Record) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
     """Spacings and closing speeds on the through lane at every time.
 
     Parameters
@@ -82,7 +82,7 @@ def measure(record: Record, scenario: Scenario) -> Measures:
     scenario : that was run
     """
     step = float(record.time[1] - record.time[0])
-    s, closing, pairs = gaps(record)
+    s, closing, pairs = spacings(record)
     free = s - LENGTH
     with np.errstate(invalid="ignore", divide="ignore"):
         ttc = np.where((closing > 0) & (free > 0), free / closing, np.inf)
@@ -94,7 +94,7 @@ def measure(record: Record, scenario: Scenario) -> Measures:
     jerk = np.diff(whole.reshape(-1, window, whole.shape[1]).mean(axis=1), axis=0) / (window * step)
     end = record.time[-1]
     late = record.time > (min(_BEGINNING, end - _STEADY) if led else end - _STEADY)
-    gap_mean = float(np.nanmean(s[late]))
+    spacing_mean = float(np.nanmean(s[late]))
     away = np.flatnonzero((abs(record.v - scenario.v_star) > _SETTLED).any(axis=1))
     settled = 0.0 if not away.size else float(record.time[away[-1]] + step)
     settled = np.inf if settled > end else settled
@@ -103,14 +103,14 @@ def measure(record: Record, scenario: Scenario) -> Measures:
     kilometres = 1e-3 * (record.x[-1] - record.x[0]).sum()
     return Measures(
         collisions=len(set(map(tuple, pairs[free <= 0].tolist()))),
-        gap_min=max(float(np.nanmin(free)), 0.0),
+        clearance_min=max(float(np.nanmin(free)), 0.0),
         ttc_min=float(np.nanmin(ttc)),
         a_peak=float(abs(driven).max()),
         a_rms=_rms(driven),
         jerk_peak=float(abs(jerk).max()),
         jerk_rms=_rms(jerk),
-        capacity=3600.0 * float(record.v[late].mean()) / gap_mean,
-        gap_mean=gap_mean,
+        capacity=3600.0 * float(record.v[late].mean()) / spacing_mean,
+        spacing_mean=spacing_mean,
         settling=np.nan if led else settled,
         amplification=_rms(passed_on[:, last]) / leading if leading > 0.01 else np.nan,
         co2=float(record.co2.sum() / kilometres),
@@ -125,7 +125,7 @@ def contact(record: Record) -> float:
     ----------
     record : of a run
     """
-    touched = (gaps(record)[0] <= LENGTH).any(axis=1)
+    touched = (spacings(record)[0] <= LENGTH).any(axis=1)
     return float(record.time[touched.argmax()]) if touched.any() else np.inf
 
 

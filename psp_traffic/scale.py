@@ -61,11 +61,11 @@ def many(platoons: int, road_end: float) -> Scenario:
     road_end : where the road ends [m]
     """
     s, v = StartDomain().draw(np.random.default_rng(1), SIZE, platoons)
-    gaps = np.concatenate([np.r_[SPACING - s[:, k].sum(), s[:, k]] for k in range(platoons)])
+    spacings = np.concatenate([np.r_[SPACING - s[:, k].sum(), s[:, k]] for k in range(platoons)])
     start = platoons * SPACING + 100.0
     if start > road_end - 1000.0:
         raise TrafficError(f"{platoons} platoons do not fit on a road of {road_end:g} m", "put fewer on it")
-    return Scenario("many", gaps[1:], v.T.ravel(), x_leader=start)
+    return Scenario("many", spacings[1:], v.T.ravel(), x_leader=start)
 
 
 def cost(platoons: int, steps: int, driver: Driver, *, exchange: bool = False, step: float = 0.01) -> Cost:

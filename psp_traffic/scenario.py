@@ -85,9 +85,9 @@ def ramp(seed: int = 1, duration: float = 60.0) -> Scenario:
     duration : [s]
     """
     shift = np.random.default_rng(seed).uniform(-5, 5, 2)
-    gaps = np.full(4, 14.0)
+    spacings = np.full(4, 14.0)
     merging = ((1180.0 + shift[0], 27.0), (1150.0 + shift[1], 27.0))
-    return Scenario("ramp", gaps, np.full(5, 30.0), duration=duration, x_leader=1190.0, merging=merging)
+    return Scenario("ramp", spacings, np.full(5, 30.0), duration=duration, x_leader=1190.0, merging=merging)
 
 
 def _behind(name: str, leader: LeaderSpeed, seed: int, vehicles: int, duration: float) -> Scenario:

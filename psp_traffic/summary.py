@@ -27,14 +27,14 @@ class Column:
 
 
 COLUMNS: Mapping[str, Column] = {
-    "gap_min": Column("least clearance [m]", 2, "min"),
+    "clearance_min": Column("least clearance [m]", 2, "min"),
     "ttc_min": Column("least TTC [s]", 2, "min"),
     "a_peak": Column("peak a [m/s2]", 2),
     "a_rms": Column("r.m.s. a [m/s2]", 2),
     "jerk_peak": Column("peak jerk [m/s3]", 1),
     "jerk_rms": Column("r.m.s. jerk [m/s3]", 2),
     "capacity": Column("capacity [veh/h]", 0, "min"),
-    "gap_mean": Column("mean spacing [m]", 1),
+    "spacing_mean": Column("mean spacing [m]", 1),
     "settling": Column("settled after [s]", 1),
     "amplification": Column("amplification", 2),
     "co2": Column("CO2 [g/km]", 1),

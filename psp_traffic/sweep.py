@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from .driver import Driver, controllers
-from .measures import contact, gaps
+from .measures import contact, spacings
 from .results import Results, Row
 from .scenario import LENGTH, Scenario
 from .simulation import Disturbance, simulate
@@ -30,13 +30,13 @@ class Trial:
     contact : when they do [s], infinite if never
     violation : the first sampling instant with T >= T_max or with a measurement outside the state space [s], infinite
         if there was none
-    gap_min : smallest clearance, 0 if vehicles touched [m]
+    clearance_min : smallest clearance, 0 if vehicles touched [m]
     a_rms : r.m.s. acceleration [m/s2]
     """
 
     contact: float
     violation: float
-    gap_min: float
+    clearance_min: float
     a_rms: float
 
 
@@ -67,9 +67,9 @@ class Tolerance:
         return min(min(trial.contact, trial.violation) for trial in self.trials)
 
     @property
-    def gap_min(self) -> float:
+    def clearance_min(self) -> float:
         """The smallest clearance [m]."""
-        return min(trial.gap_min for trial in self.trials)
+        return min(trial.clearance_min for trial in self.trials)
 
 
 Case = tuple[str, float, float]  # driver, delay [s], lag [s]
@@ -121,7 +121,7 @@ def _try(scenario: Scenario, driver: Driver, disturbance: Disturbance, seed: int
     trial = Trial(
         contact=contact(record),
         violation=min(record.reports["uncertified_from"], record.reports["fault_from"]),
-        gap_min=max(float(np.nanmin(gaps(record)[0])) - LENGTH, 0.0),
+        clearance_min=max(float(np.nanmin(spacings(record)[0])) - LENGTH, 0.0),
         a_rms=float(np.sqrt((a**2).mean())),
     )
     return asdict(trial)
@@ -179,7 +179,7 @@ def _cell(row: Tolerance) -> str:
     if row.collided:
         return f"{row.collided} of {len(row.trials)}, {row.first:.1f} s"
     warned = f"; {row.violated} not certified, {row.first:.1f} s" if row.violated else ""
-    return f"{row.gap_min:.2f} m{warned}"
+    return f"{row.clearance_min:.2f} m{warned}"
 
 
 def announced(trials: Sequence[Trial]) -> str:

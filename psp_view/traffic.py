@@ -34,14 +34,14 @@ def draw_following(records: Mapping[str, Record], duration: float, title: str, c
     -------
     the figure
     """
-    from psp_traffic.measures import contact, gaps
+    from psp_traffic.measures import contact, spacings
     from psp_traffic.scenario import LENGTH
 
     with matplotlib.rc_context(RC):
         figure = new_figure(11.0, 1.3 + 1.35 * len(records))
         grid = figure.subplots(len(records), 2, sharex=True, sharey="col", squeeze=False)
         for (left, right), (name, record) in zip(grid, records.items(), strict=True):
-            palette, free = colours(record.v.shape[1]), gaps(record)[0] - LENGTH
+            palette, free = colours(record.v.shape[1]), spacings(record)[0] - LENGTH
             for i in range(free.shape[1]):
                 left.plot(record.time, free[:, i], color=palette[i + 1], linewidth=1.0)
             for i, colour in enumerate(palette):
@@ -101,7 +101,7 @@ def _map(axes: Axes, found: Mapping[Case, Tolerance], driver: str) -> matplotlib
     image = axes.imshow(share, cmap="cividis", vmin=0.0, vmax=1.0, origin="lower", aspect="auto")
     for j, line in enumerate(cells):
         for i, cell in enumerate(line):
-            text = f"{cell.collided} of {len(cell.trials)}" if cell.collided else f"{cell.gap_min:.2f} m"
+            text = f"{cell.collided} of {len(cell.trials)}" if cell.collided else f"{cell.clearance_min:.2f} m"
             axes.text(
                 i, j, text, ha="center", va="center", fontsize=7, color="black" if share[j, i] > 0.55 else "white"
             )

@@ -99,12 +99,12 @@ class Instance:
 
 def starts(s: Sequence[float], v: Sequence[float]) -> dict[str, float]:
     """Start values by name."""
-    named = {f"s_start[{i}]": gap for i, gap in enumerate(s, start=2)}
+    named = {f"s_start[{i}]": spacing for i, spacing in enumerate(s, start=2)}
     return named | {f"v_start[{i}]": speed for i, speed in enumerate(v, start=1)}
 
 
 def random_start(seed: int, vehicles: int = 7) -> tuple[list[float], list[float]]:
-    """Gaps and speeds drawn from the paper's ranges."""
+    """Spacings and speeds drawn from the paper's ranges."""
     s, v = StartDomain().draw(np.random.default_rng(seed), vehicles, 1)
     return s[:, 0].tolist(), v[:, 0].tolist()
 

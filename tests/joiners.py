@@ -62,9 +62,9 @@ def random_join(rng: np.random.Generator, seen: Seen) -> dict[str, float]:
     place = int(rng.integers(0, seen.n + 1))
     room = float(seen.s[place - 1]) if 0 < place < seen.n else 40.0
     near = L + T * V_MAX
-    gap = rng.choice([rng.uniform(L, max(room - L, L + 0.1)), L, near * 0.999, near * 1.01, 0.5 * room, 30.0])
+    spacing = rng.choice([rng.uniform(L, max(room - L, L + 0.1)), L, near * 0.999, near * 1.01, 0.5 * room, 30.0])
     speed = rng.choice([0.0, V_MAX, 30.0, rng.uniform(0, V_MAX), seen.v[min(place, seen.n - 1)]])
-    return {"insert": 1.0, "insert_behind": place, "insert_gap": float(gap), "insert_speed": float(speed)}
+    return {"insert": 1.0, "insert_behind": place, "insert_gap": float(spacing), "insert_speed": float(speed)}
 
 
 def random_leave(rng: np.random.Generator, seen: Seen) -> dict[str, float]:

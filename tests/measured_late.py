@@ -28,12 +28,12 @@ def positions(vehicles: Delayed) -> Any:
     return np.subtract.accumulate(np.concatenate([[vehicles.x], vehicles.s]))
 
 
-def changed(past: list[tuple[Delayed, Any]], members: list[int | None], gap: float, speed: float) -> list[Any]:
-    """The past of another platoon: one that joins, `gap` behind the vehicle ahead of it, has coasted so far."""
+def changed(past: list[tuple[Delayed, Any]], members: list[int | None], spacing: float, speed: float) -> list[Any]:
+    """The past of another platoon: one that joins, `spacing` behind the vehicle ahead of it, has coasted so far."""
     here, after = positions(past[-1][0]), []
     for back, (vehicles, a) in enumerate(reversed(past)):
         x = positions(vehicles)
-        new = 0.0 if None not in members else here[members[members.index(None) - 1]] - gap - back * T * speed
+        new = 0.0 if None not in members else here[members[members.index(None) - 1]] - spacing - back * T * speed
         x = np.array([new if one is None else x[one] for one in members])
         v = np.array([speed if one is None else vehicles.v[one] for one in members])
         actuators = of_members(vehicles.actuators, members)

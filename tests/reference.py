@@ -1,7 +1,7 @@
 """The platoon once more, in plain scalar Python straight from the paper's equations: the oracle of the tests.
 
 Nothing here comes from `psp_model`, and the forms differ on purpose: f, g and k_i as the paper prints them, one vehicle
-at a time, positions integrated and gaps taken from positions.
+at a time, positions integrated and spacings taken from positions.
 """
 
 from __future__ import annotations
@@ -87,13 +87,13 @@ def accelerations(
     s: Sequence[float], v: Sequence[float], alpha: float, r: float, p: float, hill: bool, c: Constants
 ) -> list[float]:
     """F_i = -k_i (v_i - v*) + u_i with k_i = mu + g(u_i) (paper, eqs. 2 and 3)."""
-    u = forces([V_slope(gap, alpha, r, p, hill, c) for gap in s])
+    u = forces([V_slope(spacing, alpha, r, p, hill, c) for spacing in s])
     return [-(c.mu + g(u_i, c)) * (v_i - c.v_star) + u_i for u_i, v_i in zip(u, v, strict=True)]
 
 
 def largest_period(s: Sequence[float], v: Sequence[float], a: Sequence[float], c: Constants) -> float:
     """Lemma 1's T_max over all vehicles (design, section 1)."""
-    bounds = [(gap - c.L) / c.v_max for gap in s]
+    bounds = [(spacing - c.L) / c.v_max for spacing in s]
     for v_i, a_i in zip(v, a, strict=True):
         bounds.append((c.v_max - v_i) / a_i if a_i > 0 else v_i / -a_i if a_i < 0 else inf)
     return min(bounds)
@@ -123,8 +123,8 @@ def reference_run(
     c = constants or Constants()
     v = [float(v_i) for v_i in v0]
     x = [float(x0)]
-    for gap in s0:
-        x.append(x[-1] - float(gap))
+    for spacing in s0:
+        x.append(x[-1] - float(spacing))
     n, run = len(v), ReferenceRun([], [], [], [], [], [], [], [])
     columns = cast("tuple[list[Any], ...]", run)
     J_acceleration = J_gap = 0.0

@@ -25,11 +25,20 @@ from psp_model import (
     brake_margin,
     cooperative_command,
 )
+from psp_model.analysis.behind import BehindLeader
 from psp_model.law.watching import watch
 from psp_model.vehicles.actuation import Foreign, drive
 from psp_model.vehicles.prediction import predict
 from psp_model.vehicles.road_law import Remembered
 from psp_model.vehicles.road_run import RoadRun, Sensing, run_on_road, started
+
+
+def behind_leader() -> BehindLeader:
+    """Three instants, the last of them with a contact."""
+    time, apart = np.array([0.0, 0.1, 0.2]), np.array([[9.0, 8.0], [8.0, 7.0], [-1.0, 7.5]])
+    v = np.array([[30.0, 29.0, 28.0], [29.0, 29.5, 28.0], [27.0, 29.0, 28.5]])
+    return BehindLeader(time, 3 * v, v, apart + 5.0, apart, 0.1 * v, 0.2 * v, *np.ones((5, 3)))
+
 
 Example = tuple[Callable[[], Any], Callable[[Any], Any]]
 """Makes an object; what that object does."""
@@ -114,6 +123,7 @@ ROAD_EXAMPLES: dict[str, Example] = {
     "RoadLaw": (lambda: ROAD_LAW, lambda made: made.sample(remembered(), SEEN)),
     "RoadPlant": (lambda: road_plant(Actuation(0.033, np.array([0.0, 0.1, 0.3]), -8.0, 4.0)), driven_on),
     "RoadPlant, ideal": (lambda: road_plant(Actuation()), driven_on),
+    "BehindLeader": (behind_leader, lambda made: (made.figures(), made.contact)),
     "Sensing": (lambda: Sensing(1, 0.1, 0.05, seed=3), lambda made: road_run(made, 3)),
     "RoadRun": (lambda: road_run(Sensing(), 2), lambda made: (made.touched, made.gain(2, 0), made)),
 }

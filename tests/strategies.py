@@ -51,7 +51,7 @@ def shapes() -> st.SearchStrategy[PotentialParameters]:
 
 @st.composite
 def omega(draw: Any, closest: float, most: int = 30) -> tuple[Vector, Vector]:
-    """Gaps and speeds anywhere in Omega, with gaps down to L + closest and speeds of 0 and v_max included."""
+    """Spacings and speeds anywhere in Omega, with spacings down to L + closest and speeds of 0 and v_max included."""
     n = draw(st.integers(2, most))
     near = st.floats(math.log(closest), math.log(60.0)).map(lambda y: CONSTANTS.L + max(math.exp(y), closest))
     speed = st.floats(0, CONSTANTS.v_max) | st.sampled_from([0.0, CONSTANTS.v_max, CONSTANTS.v_star])

@@ -47,13 +47,13 @@ def through_fmpy(slave: FMU2Slave, references: list[int]):
 def main(which: str, folder: str, model: str, library: str, uri: str, guid: str, *numbers: str) -> None:
     """Answer requests until there are no more."""
     n, outputs, first, s_start, v_start, source = map(int, numbers[:6])
-    gap = float(numbers[6])
+    spacing = float(numbers[6])
     slave = FMU2Slave(guid=guid, unzipDirectory=folder, modelIdentifier=model, instanceName="speed")
     slave.instantiate(callbacks=defaultCallbacks)
     references = list(range(first, first + outputs))
     run, seen = bare(library, slave, references) if which == "ctypes" else through_fmpy(slave, references)
     starts = list(range(s_start, s_start + n - 1)) + list(range(v_start, v_start + n))
-    values = [gap + 0.05 * (i % 5) for i in range(n - 1)] + [30.0 + 0.01 * (i % 7) for i in range(n)]
+    values = [spacing + 0.05 * (i % 5) for i in range(n - 1)] + [30.0 + 0.01 * (i % 7) for i in range(n)]
     print("ready", flush=True)
     for line in sys.stdin:
         segments, seconds = int(line), 0.0

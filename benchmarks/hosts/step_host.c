@@ -33,10 +33,10 @@ int main(int count, char **words)
     const fmi2ValueReference source = (fmi2ValueReference)atoi(words[9]);
     const fmi2Integer fixed = 2;
     double *values = calloc(outputs, sizeof *values), *s = calloc(n, sizeof *s), *v = calloc(n, sizeof *v);
-    fmi2ValueReference *all = calloc(outputs + 2 * n, sizeof *all), *gaps = all + outputs, *speeds = gaps + n;
+    fmi2ValueReference *all = calloc(outputs + 2 * n, sizeof *all), *spacings = all + outputs, *speeds = spacings + n;
     for (size_t i = 0; i < outputs; i++) all[i] = (fmi2ValueReference)(atoi(words[6]) + (int)i);
     for (size_t i = 0; i < n; i++) {
-        gaps[i] = (fmi2ValueReference)(atoi(words[7]) + (int)i);
+        spacings[i] = (fmi2ValueReference)(atoi(words[7]) + (int)i);
         speeds[i] = (fmi2ValueReference)(atoi(words[8]) + (int)i);
         s[i] = atof(words[10]) + 0.05 * (double)(i % 5);
         v[i] = 30.0 + 0.01 * (double)(i % 7);
@@ -50,7 +50,7 @@ int main(int count, char **words)
             must(SetupExperiment(c, fmi2False, 0.0, 0.0, fmi2False, 0.0));
             if (atoi(words[9]) >= 0) {
                 must(SetInteger(c, &source, 1, &fixed));
-                must(SetReal(c, gaps, n - 1, s));
+                must(SetReal(c, spacings, n - 1, s));
                 must(SetReal(c, speeds, n, v));
             }
             must(EnterInitializationMode(c));

@@ -15,7 +15,7 @@ static const double L = 5.0, LAMBDA = 20.0, V_STAR = 30.0, V_MAX = 35.0, EPSILON
 static const double T = 0.01, W1 = 0.5, W2 = 0.5, A_REF = 4.0, S_REF = 20.0;
 
 typedef struct {
-    double alpha, r, p, x, s[N - 1], v[N], a[N], T_max, of_acceleration, of_gaps, violations;
+    double alpha, r, p, x, s[N - 1], v[N], a[N], T_max, of_acceleration, of_spacings, violations;
     double members[MEMBERS]; /* how many vehicles, their numbers, and what became of changes: nothing */
 } Loop;
 
@@ -55,20 +55,20 @@ static void feedback(Loop *loop)
 
 static void step(Loop *loop)
 {
-    double squares = loop->a[0] * loop->a[0], gaps = 0.0, moved_front = T * (loop->v[0] + 0.5 * T * loop->a[0]);
+    double squares = loop->a[0] * loop->a[0], spacings = 0.0, moved_front = T * (loop->v[0] + 0.5 * T * loop->a[0]);
     const double dv = loop->v[0] - loop->v[N - 1], da = loop->a[0] - loop->a[N - 1];
     loop->x += moved_front;
     loop->v[0] += T * loop->a[0];
     for (int i = 1; i < N; i++) {
         const double moved = T * (loop->v[i] + 0.5 * T * loop->a[i]);
         squares += loop->a[i] * loop->a[i];
-        gaps += loop->s[i - 1];
+        spacings += loop->s[i - 1];
         loop->s[i - 1] += moved_front - moved;
         loop->v[i] += T * loop->a[i];
         moved_front = moved;
     }
     loop->of_acceleration += W1 / (A_REF * A_REF) * T * squares;
-    loop->of_gaps += W2 / S_REF * (T * (gaps + T * (0.5 * dv + T / 6.0 * da)));
+    loop->of_spacings += W2 / S_REF * (T * (spacings + T * (0.5 * dv + T / 6.0 * da)));
     feedback(loop);
 }
 
@@ -79,18 +79,18 @@ static void put_out(const Loop *loop, double *out)
     memcpy(out + N, loop->v, sizeof loop->v);
     memcpy(out + 2 * N, loop->a, sizeof loop->a);
     memcpy(out + 3 * N, loop->s, sizeof loop->s);
-    const double reports[] = {loop->T_max, loop->of_acceleration, loop->of_gaps, loop->alpha, loop->r, loop->p,
-                              loop->T_max > T, loop->violations, loop->of_acceleration + loop->of_gaps, 0.0};
+    const double reports[] = {loop->T_max, loop->of_acceleration, loop->of_spacings, loop->alpha, loop->r, loop->p,
+                              loop->T_max > T, loop->violations, loop->of_acceleration + loop->of_spacings, 0.0};
     memcpy(out + MOTION, reports, sizeof reports);
     memcpy(out + MOTION + REPORTS, loop->members, sizeof loop->members);
 }
 
-static void begin(Loop *loop, double gap)
+static void begin(Loop *loop, double spacing)
 {
     memset(loop, 0, sizeof *loop);
     loop->alpha = 1e-3, loop->r = 11.0, loop->p = 5.5;
     for (int i = 0; i < N; i++) loop->v[i] = 30.0 + 0.01 * (i % 7);
-    for (int i = 0; i < N - 1; i++) loop->s[i] = gap + 0.05 * (i % 5);
+    for (int i = 0; i < N - 1; i++) loop->s[i] = spacing + 0.05 * (i % 5);
     loop->members[0] = N;
     for (int i = 1; i <= N; i++) loop->members[i] = i;
     loop->members[N + 1] = 1.0;

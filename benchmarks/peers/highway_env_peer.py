@@ -1,7 +1,7 @@
 """highway-env, IDM on one lane: highway_env_peer.py VEHICLES.
 
 As its own fast variant, highway-fast-v0: no vehicle but the first looks for collisions.  Steps of 1/15 s, its default
-simulation frequency; gaps at which its IDM follows at 30 m/s.
+simulation frequency; spacings at which its IDM follows at 30 m/s.
 """
 
 from __future__ import annotations

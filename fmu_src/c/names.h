@@ -100,7 +100,7 @@
 #define lemma1_period PSP_NAME(lemma1_period)
 #define exact_period PSP_NAME(exact_period)
 #define papers_law PSP_NAME(papers_law)
-#define gaps_are_model_spacings PSP_NAME(gaps_are_model_spacings)
+#define spacings_are_model_spacings PSP_NAME(spacings_are_model_spacings)
 #define contact_spacing PSP_NAME(contact_spacing)
 #define clearances PSP_NAME(clearances)
 #define model_spacing PSP_NAME(model_spacing)
@@ -145,7 +145,7 @@
 #define part_make_changes PSP_NAME(part_make_changes)
 #define trial_choose PSP_NAME(trial_choose)
 #define trial_join PSP_NAME(trial_join)
-#define trial_find_gap PSP_NAME(trial_find_gap)
+#define trial_find_spacing PSP_NAME(trial_find_spacing)
 #define trial_take_out PSP_NAME(trial_take_out)
 
 /* vehicles that act late and softly */

@@ -18,7 +18,14 @@ from .variables import Variable
 DESCRIPTION = (
     "A platoon of automated vehicles on one lane, under sampled feedback from performance-sensitive potentials"
 )
-FIRST_GAPS = (10.0, 9.4, 11.2, 9.0, 10.6, 8.8)  # [m] start values, repeated down the platoon; inside the paper's ranges
+FIRST_SPACINGS = (
+    10.0,
+    9.4,
+    11.2,
+    9.0,
+    10.6,
+    8.8,
+)  # [m] start values, repeated down the platoon; inside the paper's ranges
 FIRST_SPEEDS = (30.0, 31.5, 28.5, 29.5, 32.0, 28.0, 30.5)  # [m/s] likewise
 
 
@@ -27,7 +34,7 @@ def _constants() -> Iterator[Variable]:
     text = "Sampling period, above 0; certified where below T_max or, with certificate 2, below T_exact"
     yield Variable("T", text, "s", Sampling().T, 0, nominal=0.01)
     yield Variable("L", "Smallest allowable spacing, above 0", "m", c.L, 0, nominal=5)
-    yield Variable("lambda", "Gap at which the repulsion ends, above L + 3 m", "m", c.lam, 0, nominal=20)
+    yield Variable("lambda", "Spacing at which the repulsion ends, above L + 3 m", "m", c.lam, 0, nominal=20)
     yield Variable("v_star", "Desired cruising speed, above 0 and below v_max", "m/s", c.v_star, 0, nominal=30)
     yield Variable("v_max", "Speed limit, above 0", "m/s", c.v_max, 0, nominal=35)
     yield Variable("epsilon", "Width over which the function f is smoothed, above 0", "m/s2", c.epsilon, 0, nominal=0.2)
@@ -94,7 +101,7 @@ def _extended_law(n: int) -> Iterator[Variable]:
 
 def _starts(n: int) -> Iterator[Variable]:
     yield Variable("x_start", "Initial position of vehicle 1, the leader", "m", 0.0, nominal=100)
-    for i, spacing in enumerate(islice(cycle(FIRST_GAPS), n - 1), start=2):
+    for i, spacing in enumerate(islice(cycle(FIRST_SPACINGS), n - 1), start=2):
         text = f"Initial spacing between vehicle {i - 1} and vehicle {i}, above length[{i - 1}]"
         yield Variable(f"s_start[{i}]", text, "m", spacing, 0, nominal=10)
     for i, speed in enumerate(islice(cycle(FIRST_SPEEDS), n), start=1):
@@ -105,7 +112,7 @@ def _joining(n: int) -> Iterator[Variable]:
     yield Variable("insert", "A vehicle joins where this rises above 0.5", "1", 0.0, 0, 1, input=True)
     text = "Place of the vehicle that the new one joins behind, 1 for the leader; 0: it joins ahead of the leader"
     yield Variable("insert_behind", text, "1", float(n), 0, n, input=True)
-    text = "Gap from the new vehicle to the one it joins behind or, where it becomes the leader, to the old leader"
+    text = "Spacing from the new vehicle to the one it joins behind or, where it becomes the leader, to the old leader"
     yield Variable("insert_gap", text, "m", 20.0, 0, nominal=10, input=True)
     yield Variable("insert_speed", "Speed of the new vehicle, at most v_max", "m/s", 30.0, 0, nominal=30, input=True)
     text = "Length of the new vehicle; 0 for L"
@@ -137,7 +144,7 @@ def _motion(n: int) -> Iterator[Variable]:
         text = f"Acceleration of vehicle {i}, commanded at the last sampling instant and held since"
         yield Variable(f"a[{i}]", text, "m/s2", nominal=1)
     for i in range(2, n + 1):
-        text = f"Gap between vehicle {i - 1} and vehicle {i}"
+        text = f"Spacing between vehicle {i - 1} and vehicle {i}"
         known = ("n_start", f"s_start[{i}]")
         yield Variable(f"s[{i}]", text, "m", nominal=10, continuous=True, initial_dependencies=known)
 

@@ -20,10 +20,10 @@ from psp_model.law.cooperation import (
 from psp_model.law.extended import DrivenLeader, driven
 from psp_model.law.feedback import command, command_towards
 from psp_model.law.potential import PotentialParameters, on_hill, potential_slope
-from psp_model.objective import acceleration_cost, gap_cost
+from psp_model.objective import acceleration_cost, spacing_cost
 from psp_model.parameters import ObjectiveWeights, PlatoonParameters, generic
 from psp_model.sampling.exact import first_contact
-from psp_model.sampling.hold import advance, gaps_after, travelled
+from psp_model.sampling.hold import advance, spacings_after, travelled
 from psp_model.sampling.lemma1 import period_bounds
 from psp_model.selection.feasible import cell_bound
 from psp_model.vehicles.leader import between, held_for, on_line
@@ -70,7 +70,7 @@ def _feedback_kernels() -> str:
     commanded = command(u, v, generic(PlatoonParameters, v_star=v_star, v_max=v_max, epsilon=epsilon, mu=mu))
     s, a, L, v_desired = _symbols("s a L v_desired")
     of_desired = generic(PlatoonParameters, v_max=v_max, epsilon=epsilon, mu=mu)
-    of_gap, of_speed = period_bounds(s, v, a, generic(PlatoonParameters, L=L, v_max=v_max))
+    of_spacing, of_speed = period_bounds(s, v, a, generic(PlatoonParameters, L=L, v_max=v_max))
     return (
         c_function("command", inputs, [commanded])
         + c_function(
@@ -78,10 +78,10 @@ def _feedback_kernels() -> str:
             [u, v, v_desired, v_max, epsilon, mu],
             [command_towards(u, v, of_desired, v_desired)],
         )
-        + c_function("gap_bound", [s, L, v_max], [of_gap])
+        + c_function("spacing_period", [s, L, v_max], [of_spacing])
         + c_function("speed_bound", [v, a, v_max], [of_speed])
         + _with_tangent("command", inputs, commanded)
-        + _with_tangent("gap_bound", [s, L, v_max], of_gap)
+        + _with_tangent("spacing_period", [s, L, v_max], of_spacing)
         + _with_tangent("speed_bound", [v, a, v_max], of_speed)
     )
 
@@ -125,16 +125,16 @@ def _certificate_kernels() -> str:
 
 def _motion_kernels() -> str:
     s, moved_front, moved, v, a, tau = _symbols("s moved_front moved v a tau")
-    gap = gaps_after(s, casadi.vertcat(moved_front, moved))
+    spacing = spacings_after(s, casadi.vertcat(moved_front, moved))
     speed = advance(s, casadi.vertcat(v, v), casadi.vertcat(a, a), tau)[1][1]
-    squares, gaps, dv, da, w1, w2, a_ref, s_ref = _symbols("squares gaps dv da w1 w2 a_ref s_ref")
+    squares, spacings, dv, da, w1, w2, a_ref, s_ref = _symbols("squares spacings dv da w1 w2 a_ref s_ref")
     weights = generic(ObjectiveWeights, w1=w1, w2=w2, a_ref=a_ref, s_ref=s_ref)
     return (
-        c_function("gap_after", [s, moved_front, moved], [gap])
+        c_function("spacing_after", [s, moved_front, moved], [spacing])
         + c_function("speed_after", [v, a, tau], [speed])
         + c_function("travelled", [v, a, tau], [travelled(v, a, tau)])
         + c_function("acceleration_cost", [squares, tau, w1, a_ref], [acceleration_cost(squares, tau, weights)])
-        + c_function("gap_cost", [gaps, dv, da, tau, w2, s_ref], [gap_cost(gaps, dv, da, tau, weights)])
+        + c_function("spacing_cost", [spacings, dv, da, tau, w2, s_ref], [spacing_cost(spacings, dv, da, tau, weights)])
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from onnx.helper import get_attribute_value
 
 from onnx import numpy_helper
-from psp_model.offline.structures import CHANNELS, Layered, PerGap
+from psp_model.offline.structures import CHANNELS, Layered, PerSpacing
 from psp_model.selection.network import DICTIONARY, INPUT, ParameterNetwork
 from psp_model.state import StartDomain
 
@@ -99,7 +99,7 @@ def require_same(chain: Chain, network: ParameterNetwork) -> None:
     vehicles = network.vehicles[len(network.vehicles) // 2]
     s, v = network.domain.draw(np.random.default_rng(0), vehicles, 1)
     widths = tuple(layer.weights.shape[0] for layer in chain.layers[: chain.shared])
-    structure = PerGap(vehicles - 1, widths, chain.radius) if chain.shared else Layered(vehicles)
+    structure = PerSpacing(vehicles - 1, widths, chain.radius) if chain.shared else Layered(vehicles)
     rows = structure.rows(np.concatenate([s, v]).T, StartDomain(-1.0, 1.0, -1.0, 1.0))  # these bounds scale nothing
     (found,) = structure.apply([(layer.weights.T, layer.bias) for layer in chain.layers], rows)
     answer = network.evaluate(s[:, 0], v[:, 0])
@@ -123,4 +123,4 @@ def _layer(node: Any, made_by: dict[str, Any], constants: dict[str, Any], relu: 
 def _require_pooling(parts: list[Any]) -> None:
     """Check that what is joined are mean and maximum of the same values."""
     if [part.op_type for part in parts] != ["ReduceMean", "ReduceMax"] or parts[0].input != parts[1].input:
-        raise ValueError("the network joins something else than mean and maximum over the gaps")
+        raise ValueError("the network joins something else than mean and maximum over the spacings")

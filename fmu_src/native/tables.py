@@ -188,7 +188,7 @@ _NETWORK_TYPES = """typedef struct {
     bool relu;
 } PspLayer;
 
-/* The first `shared` layers see each gap with `radius` neighbours on both sides; behind them the gaps are pooled. */
+/* The first `shared` layers see each spacing with `radius` neighbours on both sides; behind them these are pooled. */
 typedef struct {
     const PspLayer *layers;
     int count, shared, radius;

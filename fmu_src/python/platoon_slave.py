@@ -137,10 +137,10 @@ class PspPlatoon(TableSlave):
         if remove > 0.5 and not before.remove > 0.5:
             self._make(lambda road: road.remove(self._value("remove_place"), *at))
         if insert > 0.5 and not before.insert > 0.5:
-            behind, gap, speed, length = (
+            behind, spacing, speed, length = (
                 self._value(f"insert_{name}") for name in ("behind", "gap", "speed", "length")
             )
-            self._make(lambda road: road.insert(behind, gap, speed, *at, length))
+            self._make(lambda road: road.insert(behind, spacing, speed, *at, length))
         self._become(replace(self._members, insert=insert, remove=remove))
 
     def _make(self, change: Callable[[OpenPlatoon], tuple[OpenPlatoon, Refusal | None]]) -> None:
@@ -160,7 +160,7 @@ class PspPlatoon(TableSlave):
         road, refused = change(road)
         if refused:
             self._warn(refused.sentence)
-            counted = replace(members, gap_offered=float(np.nan_to_num(refused.gap)), refusals=members.refusals + 1)
+            counted = replace(members, gap_offered=float(np.nan_to_num(refused.spacing)), refusals=members.refusals + 1)
             self._become(replace(counted, change_ok=0.0))
             return
         if warning:
@@ -207,12 +207,12 @@ class PspPlatoon(TableSlave):
         """The outputs after the motion, in the order of the table."""
         now, shape = platoon.now, platoon.shape
         assert isinstance(shape, PotentialParameters)
-        of_acceleration, of_gaps = cost
+        of_acceleration, of_spacings = cost
         T, self._exact_known = platoon.sampling.T, now.T_exact is not None
         lemma1 = (min(now.T_max, LONGEST), float(now.T_max > T))
         verdict = (min(now.T_exact or 0.0, LONGEST), float(now.bound > T), float(now.violations))
         reports = (shape.alpha, shape.r, shape.p, self._in_domain, *lemma1, *verdict)
-        return [*reports, of_acceleration + of_gaps, of_acceleration, of_gaps]
+        return [*reports, of_acceleration + of_spacings, of_acceleration, of_spacings]
 
     def _get(self, references: list[int], integer: bool) -> list[float]:
         """The values; T_exact takes long, and is computed where it is read unless a verdict depends on it."""

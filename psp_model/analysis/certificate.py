@@ -104,17 +104,17 @@ def certify(
     """
     exact = certificate == policy.Certificate.EXACT
     s = contact_spacing(run.s.T, _by_columns(cooperation), constants)
-    of_gaps, of_speeds = (exact_bounds if exact else period_bounds)(s, run.v.T, run.a.T, constants)
-    i, j = np.argmin(of_gaps, axis=0), np.argmin(of_speeds, axis=0)
+    of_spacings, of_speeds = (exact_bounds if exact else period_bounds)(s, run.v.T, run.a.T, constants)
+    i, j = np.argmin(of_spacings, axis=0), np.argmin(of_speeds, axis=0)
     columns = np.arange(run.time.size)
-    by_gap, by_speed = of_gaps[i, columns], of_speeds[j, columns]
-    gap_first = by_gap <= by_speed
+    by_spacing, by_speed = of_spacings[i, columns], of_speeds[j, columns]
+    spacing_first = by_spacing <= by_speed
     return Certificate(
         T=T,
         time=run.time,
-        T_max=np.where(gap_first, by_gap, by_speed),
-        vehicle=np.where(gap_first, i + 2, j + 1),
-        kind=np.where(gap_first, 0, np.where(run.a.T[j, columns] > 0, 1, 2)),
+        T_max=np.where(spacing_first, by_spacing, by_speed),
+        vehicle=np.where(spacing_first, i + 2, j + 1),
+        kind=np.where(spacing_first, 0, np.where(run.a.T[j, columns] > 0, 1, 2)),
         bound="T_exact" if exact else "T_max",
     )
 

@@ -222,5 +222,5 @@ def _violation(settings: ControllerSettings, time: float, now: Command) -> Model
     if s.size and max(s[i] - error_s - constants.L, 0.0) / constants.v_max <= T_max:
         shown = basis.s_predicted[i]
         enough = constants.L + constants.v_max * T + (shown - s[i] + error_s)
-        return ModelError("lemma1_controller_gap", T, T_max, time, seen, i + 2, shown, enough, T_max)
+        return ModelError("lemma1_controller_spacing", T, T_max, time, seen, i + 2, shown, enough, T_max)
     return ModelError("lemma1_controller", T, T_max, time, seen, T_max)

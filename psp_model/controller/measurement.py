@@ -192,7 +192,7 @@ def _bad_spacing(vehicle: int, spacing: float, constants: PlatoonParameters, coo
     ahead = length_ahead(vehicle, constants, cooperation)
     if ahead != constants.L:
         return ModelError("measured_clearance", vehicle, spacing, vehicle - 1, ahead)
-    return ModelError("measured_gap", vehicle, spacing, constants.L)
+    return ModelError("measured_spacing", vehicle, spacing, constants.L)
 
 
 def length_ahead(vehicle: int, constants: PlatoonParameters, cooperation: Cooperation) -> float:

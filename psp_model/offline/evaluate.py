@@ -213,13 +213,13 @@ class Judge:
         return np.where(T_max > self.data.problem.T, J, np.inf), T_max
 
     def _split(self) -> list[tuple[Array, Array]]:
-        gaps = self.data.problem.vehicles - 1
-        return [(start[:gaps], start[gaps:]) for start in self.data.starts]
+        spacings = self.data.problem.vehicles - 1
+        return [(start[:spacings], start[spacings:]) for start in self.data.starts]
 
     def _note_domain(self, name: str, network: ParameterNetwork) -> None:
         network.require_vehicles(self.data.problem.vehicles)
-        gaps = self.data.problem.vehicles - 1
-        inside = network.domain.contains(self.data.starts.T[:gaps], self.data.starts.T[gaps:])
+        spacings = self.data.problem.vehicles - 1
+        inside = network.domain.contains(self.data.starts.T[:spacings], self.data.starts.T[spacings:])
         self.evaluation.out_of_domain[name] = float(1.0 - inside.mean())
 
 

@@ -10,7 +10,7 @@ from ..selection.network import GAPS, INPUT, PARAMETERS, SCORES, SPEEDS, import_
 from .errors import OfflineError
 from .mixture import Mixture
 from .recipes import Trained, output_scaling
-from .structures import PerGap
+from .structures import PerSpacing
 
 _ROWS = 200
 _TOLERANCE = 2e-5  # of the outputs' size: float32 with the scaling folded in against float32 without
@@ -37,14 +37,14 @@ def check_export(path: Path, data: Mixture, parameters: Trained, ranking: Traine
     shift, scale = output_scaling(data.problem)
     worst = 0.0
     for one in data.sets:
-        starts, gaps = one.starts[:_ROWS].astype(np.float32), one.problem.vehicles - 1
+        starts, spacings = one.starts[:_ROWS].astype(np.float32), one.problem.vehicles - 1
         rows = parameters.structure.rows(one.starts[:_ROWS], one.domain)
         expected = {PARAMETERS: shift + scale * np.asarray(parameters.structure.apply(parameters.scaled, rows))}
         if ranking is not None:
             expected[SCORES] = np.asarray(ranking.structure.apply(ranking.scaled, rows))
         inputs = {INPUT: starts}
-        if isinstance(parameters.structure, PerGap):
-            inputs = {GAPS: starts[:, :gaps], SPEEDS: starts[:, gaps:]}
+        if isinstance(parameters.structure, PerSpacing):
+            inputs = {GAPS: starts[:, :spacings], SPEEDS: starts[:, spacings:]}
         for name, values in expected.items():
             (found,) = session.run([name], inputs)
             worst = max(worst, float(np.abs(found - values).max() / np.abs(values).max()))

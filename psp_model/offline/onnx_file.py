@@ -15,7 +15,7 @@ from ..selection import network
 from ..selection.search.engine import Problem
 from ..state import StartDomain
 from ..whole_file import write_whole
-from .structures import PerGap, Structure
+from .structures import PerSpacing, Structure
 
 _Ports = dict[str, list[str | int | None]]  # shapes by name
 Layers = Sequence[tuple[NDArray[Any], NDArray[Any]]]
@@ -87,7 +87,7 @@ def write_network(
     from onnx import TensorProto, helper
 
     graph = _Graph()
-    if isinstance(structure, PerGap):
+    if isinstance(structure, PerSpacing):
         inputs: _Ports = {network.GAPS: ["batch", "gaps"], network.SPEEDS: ["batch", "vehicles"]}
         start, shared = graph.windows(structure.radius), len(structure.widths)
     else:

@@ -21,7 +21,7 @@ from .errors import OfflineError
 from .fit import Fit, Layers, Schedule, fit
 from .mixture import Mixture
 from .parquet import Dataset
-from .structures import Layered, PerGap, Structure
+from .structures import Layered, PerSpacing, Structure
 
 Array = NDArray[Any]
 Watch = Callable[[int, float, float], None]
@@ -38,7 +38,7 @@ class Recipe:
     schedule : of the fit
     blur : standard deviation of the blur of the cost tables [cells]
     cap : largest regret that the cost tables keep
-    per_gap : widths of the layers that all spacings share; without any the network is for one number of vehicles
+    per_spacing : widths of the layers that all spacings share; without any the network is for one number of vehicles
     """
 
     name: str
@@ -46,7 +46,7 @@ class Recipe:
     schedule: Schedule
     blur: float = 0.0
     cap: float = 0.15
-    per_gap: tuple[int, ...] = ()
+    per_spacing: tuple[int, ...] = ()
 
     def structure(self, data: Mixture) -> Structure:
         """What a network trained on this data looks like.
@@ -56,8 +56,8 @@ class Recipe:
         OfflineError : where the data sets are of several numbers of vehicles and the network is for one
         """
         smallest, largest = data.vehicles
-        if self.per_gap:
-            return PerGap(largest - 1, self.per_gap)
+        if self.per_spacing:
+            return PerSpacing(largest - 1, self.per_spacing)
         if smallest < largest:
             raise OfflineError(
                 f"recipe {self.name} trains for one number of vehicles, and these data sets have {smallest} to "
@@ -71,7 +71,7 @@ RECIPES = {
     "mse": Recipe("mse", (32, 16), Schedule(35e-6, False, 2000, 32, 50, 1e-3)),
     # ours
     "cost": Recipe("cost", (32, 16), Schedule(3e-3, True, 100, 128, 100), blur=0.6),
-    "any": Recipe("any", (64, 64), Schedule(3e-3, True, 40, 128, 40), blur=0.6, per_gap=(64, 64)),
+    "any": Recipe("any", (64, 64), Schedule(3e-3, True, 40, 128, 40), blur=0.6, per_spacing=(64, 64)),
 }
 
 

@@ -48,9 +48,9 @@ def read_starts(path: Path, constants: PlatoonParameters | None = None) -> Array
         raise OfflineError(f"{path} could not be read ({error.strerror or error}): give a file that is there") from None
     if not len(s):
         raise OfflineError(f"{path} holds no start: give it one row for each start")
-    for row, (gaps, speeds) in enumerate(zip(s, v, strict=True), start=1):
+    for row, (spacings, speeds) in enumerate(zip(s, v, strict=True), start=1):
         try:
-            validate(PlatoonState(gaps, speeds, constants or PlatoonParameters()))
+            validate(PlatoonState(spacings, speeds, constants or PlatoonParameters()))
         except ModelError as error:
             raise OfflineError(f"{path}, start {row}: {error.problem}", error.remedy) from None
     return np.concatenate([s, v], axis=1)

@@ -113,7 +113,7 @@ class Layered:
 
 
 @dataclass(frozen=True)
-class PerGap:
+class PerSpacing:
     """Layers shared by all spacings, then mean and maximum over the spacings, then a chain of layers (ours).
 
     A spacing is seen with its neighbours up to `radius` away.  Where the platoon ends there are no neighbours: all
@@ -133,12 +133,12 @@ class PerGap:
     def rows(self, starts: Array, domain: StartDomain) -> Array:
         """The channels of each spacing of the `starts`, (B, longest, 4)."""
         scaled = _scaled(starts, domain)
-        gaps = (starts.shape[1] - 1) // 2
-        speeds = scaled[:, gaps:]
+        spacings = (starts.shape[1] - 1) // 2
+        speeds = scaled[:, spacings:]
         found = np.zeros((len(starts), self.longest, CHANNELS), np.float32)
-        found[:, :gaps, 0] = scaled[:, :gaps]
-        found[:, :gaps, 1], found[:, :gaps, 2] = speeds[:, :-1], speeds[:, 1:]
-        found[:, :gaps, 3] = 1.0
+        found[:, :spacings, 0] = scaled[:, :spacings]
+        found[:, :spacings, 1], found[:, :spacings, 2] = speeds[:, :-1], speeds[:, 1:]
+        found[:, :spacings, 3] = 1.0
         return found
 
     def initial(self, hidden: Sequence[int], outputs: int, seed: int) -> Layers:
@@ -155,18 +155,18 @@ class PerGap:
 
     def _windows(self, rows: Any) -> Any:
         """(B, longest, 4 (2 radius + 1)) array, each spacing with its neighbours."""
-        xp, gaps = array_namespace(rows), rows.shape[1]
+        xp, spacings = array_namespace(rows), rows.shape[1]
         padded = xp.pad(rows, ((0, 0), (self.radius, self.radius), (0, 0)))
-        return xp.concatenate([padded[:, k : k + gaps] for k in range(2 * self.radius + 1)], axis=2)
+        return xp.concatenate([padded[:, k : k + spacings] for k in range(2 * self.radius + 1)], axis=2)
 
     def folded(self, layers: Layers, domain: StartDomain, out_shift: Any, out_scale: Any) -> Layers:
         """The `layers` on raw input; an output y becomes out_shift + out_scale y.
 
         The shift of the input goes to the channel that says whether there is a spacing: elsewhere nothing is added.
         """
-        (gap, front, rear), (wide, fast, fast_too) = (part[[0, 1, 1]] for part in input_scaling(domain, 2))
+        (spacing, front, rear), (wide, fast, fast_too) = (part[[0, 1, 1]] for part in input_scaling(domain, 2))
         raw = np.diag([1 / wide, 1 / fast, 1 / fast_too, 1.0])
-        raw[3, :3] = -gap / wide, -front / fast, -rear / fast_too
+        raw[3, :3] = -spacing / wide, -front / fast, -rear / fast_too
         W, b = layers[0]
         first = raw @ np.asarray(W, dtype=float).reshape(-1, CHANNELS, W.shape[1])
         return fold_scaling([(first.reshape(W.shape), b), *layers[1:]], 0.0, np.ones(len(W)), out_shift, out_scale)

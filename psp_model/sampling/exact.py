@@ -101,4 +101,4 @@ def exact_violation(
     if i < 0:
         return speed_violation("exact", t, T, j, v, a, constants, of_speeds[j])
     least, bound = constants.L if ahead is None else ahead[i], of_spacings[i]
-    return ModelError("exact_gap", T, bound, t, i + 2, i + 2, s[i], least, bound)
+    return ModelError("exact_spacing", T, bound, t, i + 2, i + 2, s[i], least, bound)

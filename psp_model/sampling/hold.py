@@ -91,7 +91,7 @@ class DoubleIntegrators:
     def advance(self, vehicles: Motion, a: Array, tau: float) -> tuple[Motion, Array]:
         """See `Plant.advance`."""
         moved = travelled(vehicles.v, a, tau)
-        return Motion(vehicles.x + moved[0], gaps_after(vehicles.s, moved), vehicles.v + tau * a), a
+        return Motion(vehicles.x + moved[0], spacings_after(vehicles.s, moved), vehicles.v + tau * a), a
 
 
 IDEAL = DoubleIntegrators()
@@ -128,10 +128,10 @@ def advance(s: Array, v: Array, a: Array, tau: Number) -> tuple[Array, Array]:
     -------
     s, v : arrays of the same shapes, a time tau later [m], [m/s]
     """
-    return gaps_after(s, travelled(v, a, tau)), v + tau * a
+    return spacings_after(s, travelled(v, a, tau)), v + tau * a
 
 
-def gaps_after(s: Array, moved: Array) -> Array:
+def spacings_after(s: Array, moved: Array) -> Array:
     """Spacings once every vehicle has travelled some distance (paper, eq. 10).
 
     Parameters

@@ -20,7 +20,7 @@ def period_bounds(s: Array, v: Array, a: Array, constants: PlatoonParameters) ->
 
     Returns
     -------
-    of_gaps : (n-1, ...) array, (s_i - L) / v_max [s]
+    of_spacings : (n-1, ...) array, (s_i - L) / v_max [s]
     of_speeds : (n, ...) array, (v_max - v_i) / a_i where a_i > 0, v_i / -a_i where a_i < 0, else infinite [s]
     """
     xp = array_namespace(a)
@@ -43,8 +43,8 @@ def largest_period(s: Array, v: Array, a: Array, constants: PlatoonParameters, a
     -------
     (...) array, T_max [s]
     """
-    of_gaps, of_speeds = period_bounds(s, v, a, constants)
-    return smallest(array_namespace(of_speeds).concat([of_gaps, of_commanded(of_speeds, automated)]))
+    of_spacings, of_speeds = period_bounds(s, v, a, constants)
+    return smallest(array_namespace(of_speeds).concat([of_spacings, of_commanded(of_speeds, automated)]))
 
 
 def of_commanded(of_speeds: Array, automated: Array | None) -> Array:
@@ -87,12 +87,12 @@ def violation(
     ModelError, to be raised or logged
     """
     room = s if ahead is None else s - (ahead - constants.L)
-    of_gaps, of_speeds = period_bounds(room, v, a, constants)
-    i, j = narrowest(of_gaps, of_commanded(of_speeds, automated))
+    of_spacings, of_speeds = period_bounds(room, v, a, constants)
+    i, j = narrowest(of_spacings, of_commanded(of_speeds, automated))
     if i < 0:
         return speed_violation("lemma1", t, T, j, v, a, constants, of_speeds[j])
-    least, bound = constants.L if ahead is None else ahead[i], of_gaps[i]
-    key = "lemma1_gap" if least == constants.L else "lemma1_length"
+    least, bound = constants.L if ahead is None else ahead[i], of_spacings[i]
+    key = "lemma1_spacing" if least == constants.L else "lemma1_length"
     return ModelError(key, T, bound, t, i + 2, i + 2, s[i], least, constants.v_max, bound)
 
 

@@ -217,7 +217,7 @@ def refusal(loop: Loop, now: Instant, verdict: Verdict) -> ModelError:
     if verdict is Verdict.OUTSIDE:
         i = int(np.argmin(room(loop.controller, now.s)))
         least = constants.L if ahead is None else ahead[i]
-        return ModelError("left_gap" if least == constants.L else "left_length", i + 2, now.s[i], least, time)
+        return ModelError("left_spacing" if least == constants.L else "left_length", i + 2, now.s[i], least, time)
     say = exact_violation if loop.exact else violation
     return say(time, loop.T, now.s, now.v, now.a, constants, ahead, automated(loop.controller, now.a))
 

@@ -194,8 +194,10 @@ class ParameterNetwork:
 
     def _run(self, outputs: list[str], s: ArrayLike, v: ArrayLike) -> list[Any]:
         self.require_vehicles(np.size(v))
-        gaps, speeds = (np.asarray(part, dtype=np.float32)[None, :] for part in (s, v))
-        inputs = {INPUT: np.concatenate([gaps, speeds], axis=1)} if self._columns else {GAPS: gaps, SPEEDS: speeds}
+        spacings, speeds = (np.asarray(part, dtype=np.float32)[None, :] for part in (s, v))
+        inputs = (
+            {INPUT: np.concatenate([spacings, speeds], axis=1)} if self._columns else {GAPS: spacings, SPEEDS: speeds}
+        )
         try:
             found = list(self._session.run(outputs, inputs))
         except Exception:  # onnxruntime's own: a graph that contradicts its shapes

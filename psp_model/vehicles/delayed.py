@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ..namespaces import Array, Number
 from ..parameters import Actuation
-from ..sampling.hold import gaps_after
+from ..sampling.hold import spacings_after
 from .actuation import Actuators, Foreign, at_rest, commanded, drive
 
 
@@ -58,4 +58,4 @@ class DelayedVehicles:
             actuators = commanded(actuators, a, self.actuation)
         then, moved, actuators = drive(v, actuators, self.actuation, tau, foreign)
         mean = (then - v) / tau if tau > 0.0 else actuators.a
-        return Delayed(x + moved[0], gaps_after(s, moved), then, actuators), mean
+        return Delayed(x + moved[0], spacings_after(s, moved), then, actuators), mean

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..sampling.hold import DoubleIntegrators, Motion, gaps_after, travelled
+from ..sampling.hold import DoubleIntegrators, Motion, spacings_after, travelled
 from ..sampling.loop import Vector
 from ..state import PlatoonState, seal
 
@@ -25,7 +25,7 @@ class StoppingIntegrators(DoubleIntegrators):
         stops = v < 0
         until = np.where(stops, vehicles.v / np.where(stops, -a, 1.0), tau)
         moved, v = travelled(vehicles.v, a, until), np.where(stops, 0.0, v)
-        after = Motion(vehicles.x + moved[0], gaps_after(vehicles.s, moved), v)
+        after = Motion(vehicles.x + moved[0], spacings_after(vehicles.s, moved), v)
         return after, np.where(stops, (v - vehicles.v) / tau, a) if tau > 0.0 else a
 
 

@@ -11,7 +11,7 @@ from ..law.cooperation import Cooperation, Traffic, contact_spacing, cooperative
 from ..law.potential import Potential
 from ..namespaces import Array, Number, array_namespace
 from ..parameters import Actuation, PlatoonParameters
-from ..sampling.hold import gaps_after
+from ..sampling.hold import spacings_after
 from .actuation import Actuators, Foreign, at_rest, commanded, drive, ride, settle, unless_standing
 
 CLOSEST = 1e-3  # [m] a predicted clearance of 0 or less counts as this: the law is not defined there (ours)
@@ -89,7 +89,7 @@ def predict(
     a = actuators.command if is_off(actuation.actuator_lag) else actuators.a
     if foreign is not None:
         a = array_namespace(v).where(foreign.automated > 0.5, a, foreign.a)
-    return Predicted(gaps_after(s, moved), then, unless_standing(then, a))
+    return Predicted(spacings_after(s, moved), then, unless_standing(then, a))
 
 
 def later(predicted: Predicted, span: Number) -> Predicted:
@@ -100,7 +100,7 @@ def later(predicted: Predicted, span: Number) -> Predicted:
     span : time [s]
     """
     v, moved, _ = ride(predicted.v, predicted.a, predicted.a, 0.0, span)
-    return Predicted(gaps_after(predicted.s, moved), v, unless_standing(v, predicted.a))
+    return Predicted(spacings_after(predicted.s, moved), v, unless_standing(v, predicted.a))
 
 
 def predictive_command(

@@ -14,10 +14,10 @@ OLD = {"potential": 1}
 def start_that_breaks_the_limit() -> tuple[list[float], list[float]]:
     """A start in the paper's ranges on which V_old, sampled every 0.02 s, drives a vehicle beyond v_max."""
     s, v = StartDomain().draw(np.random.default_rng(3), 7, 400)
-    for gaps, speeds in zip(s.T.tolist(), v.T.tolist(), strict=True):
-        run = reference_run(gaps, speeds, alpha=1.0, r=0.0, p=0.0, hill=False, T=0.02, duration=0.4)
+    for spacings, speeds in zip(s.T.tolist(), v.T.tolist(), strict=True):
+        run = reference_run(spacings, speeds, alpha=1.0, r=0.0, p=0.0, hill=False, T=0.02, duration=0.4)
         if max(map(max, run.v)) > 35.0:
-            return gaps, speeds
+            return spacings, speeds
     raise AssertionError("no start of 400 breaks the limit")
 
 

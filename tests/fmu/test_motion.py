@@ -92,8 +92,8 @@ def test_between_instants_the_outputs_follow_the_exact_polynomial(instance):
     np.testing.assert_allclose(
         instance.group("v"), [v_i + tau * a_i for v_i, a_i in zip(v, a, strict=True)], atol=1e-12
     )
-    gaps = [s[i] + tau * (v[i] - v[i + 1]) + tau**2 / 2 * (a[i] - a[i + 1]) for i in range(6)]
-    np.testing.assert_allclose(instance.group("s"), gaps, atol=1e-12)
+    spacings = [s[i] + tau * (v[i] - v[i + 1]) + tau**2 / 2 * (a[i] - a[i + 1]) for i in range(6)]
+    np.testing.assert_allclose(instance.group("s"), spacings, atol=1e-12)
     assert instance.group("a") == a  # held until the next instant
     area = sum(tau * s[i] + tau**2 / 2 * (v[i] - v[i + 1]) + tau**3 / 6 * (a[i] - a[i + 1]) for i in range(6))
     np.testing.assert_allclose(instance.get("J_gap"), 0.5 * area / 20, atol=1e-12)
@@ -109,7 +109,7 @@ def test_a_run_may_start_at_any_time(instances):
     np.testing.assert_allclose(late.outputs(), early.outputs(), rtol=0, atol=1e-9)
 
 
-def test_scenario_1_opens_the_gaps_to_lambda_and_scenario_2_keeps_them_near_the_hill(instances):
+def test_scenario_1_opens_the_spacings_to_lambda_and_scenario_2_keeps_them_near_the_hill(instances):
     ends, peaks = [], []
     for potential in (1, 2):
         instance = instances()

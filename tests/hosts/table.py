@@ -58,11 +58,11 @@ def environment(packages: list[str], folder: Path) -> Path:
 def reference() -> dict[str, np.ndarray]:
     """The run that all hosts should show, from psp_model and without FMI."""
     start = {row.name: row.start for row in platoon_table(7)}
-    gaps = np.array([start[f"s_start[{i}]"] for i in range(2, 8)])
+    spacings = np.array([start[f"s_start[{i}]"] for i in range(2, 8)])
     speeds = np.array([start[f"v_start[{i}]"] for i in range(1, 8)])
-    state = PlatoonState(gaps, speeds)
+    state = PlatoonState(spacings, speeds)
     network = ParameterNetwork(HERE.parents[1] / "onnx" / "platoon_7.onnx")
-    run = simulate(state, project(network.evaluate(gaps, speeds), state.constants), duration=5.0)
+    run = simulate(state, project(network.evaluate(spacings, speeds), state.constants), duration=5.0)
     columns = {"x[7]": run.x[:, 6], "v[1]": run.v[:, 0], "a[5]": run.a[:, 4], "s[4]": run.s[:, 2]}
     return columns | {"T_max": run.T_max, "J": run.cost.sum(axis=1)}
 

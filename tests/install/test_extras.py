@@ -38,7 +38,7 @@ RUNS = {
     "figures": ["figures --only potentials --only runs -n 3 --duration 0.1"],
     "report": ["report -n 3 --duration 0.1 -o r.html", "report -n 3 --duration 0.1 -o r.html --animate film.mp4"],
     "doctor": ["doctor platoon.fmu"],
-    "sumo": ["sumo highway --starts 1 -o runs.json", "sumo ramp --plot gaps.png", "sumo ramp --runtime native"],
+    "sumo": ["sumo highway --starts 1 -o runs.json", "sumo ramp --plot spacings.png", "sumo ramp --runtime native"],
     "explore": ["explore --no-show"],
     "dataset": ["dataset -n 3 --starts 30 --effort tiny -o a.parquet", "dataset --scheduler nowhere"],
     "optimize": ["optimize --starts starts.csv --effort tiny -o optima.csv"],

@@ -139,7 +139,7 @@ REFUSED: dict[str, tuple[Any, Any, dict[str, Any], str, str]] = {
     ),
     "too few potentials": (FINE, [V_OLD], {}, "batch_potentials", "1 potentials do not fit 2 starts"),
     "too many": (FINE, [V_OLD] * 3, {}, "batch_potentials", "3 potentials"),
-    "outside": ([FINE[0], PlatoonState([4.0, 9.0], [30.0] * 3)], V_OLD, {}, "gap", "L = 5 m"),
+    "outside": ([FINE[0], PlatoonState([4.0, 9.0], [30.0] * 3)], V_OLD, {}, "spacing", "L = 5 m"),
     "no period": (FINE, V_OLD, {"T": 0.0}, "T", "above 0 s"),
     "a period without end": (FINE, V_OLD, {"T": np.inf}, "T", "above 0 s"),
     "backwards": (FINE, V_OLD, {"duration": -1.0}, "duration", "0 s or more"),

@@ -24,15 +24,15 @@ def test_asking_for_a_network_that_is_not_there_is_one_sentence():
 
 
 @pytest.mark.parametrize(
-    "gap, constants, reason",
+    "spacing, constants, reason",
     [
         (12.5, PlatoonParameters(), "outside the network's training domain"),
         (10.0, PlatoonParameters(mu=0.6), "other constants"),
     ],
 )
 @pytest.mark.parametrize("source", [ParameterSource.NETWORK, ParameterSource.ROLLOUT])
-def test_outside_its_training_a_network_is_not_asked(gap, constants, reason, source):
-    start = PlatoonState(np.full(6, gap), SPEEDS, constants)
+def test_outside_its_training_a_network_is_not_asked(spacing, constants, reason, source):
+    start = PlatoonState(np.full(6, spacing), SPEEDS, constants)
     network = ParameterNetwork(ONNX / "platoon_7.onnx")
     selection = select_for(start, Request(source=source), network, *HOW)
     assert selection.potential == BEST_FIXED and not selection.by_network
@@ -51,5 +51,5 @@ def test_the_network_for_any_number_ends_at_12_vehicles(n):
 
 def test_a_network_that_ranks_nothing_has_one_candidate():
     network = ParameterNetwork(ONNX / "platoon_7_mse.onnx")
-    gaps = np.full(6, 10.0)
-    assert network.candidates(gaps, SPEEDS, 16) == [network.evaluate(gaps, SPEEDS)]
+    spacings = np.full(6, 10.0)
+    assert network.candidates(spacings, SPEEDS, 16) == [network.evaluate(spacings, SPEEDS)]

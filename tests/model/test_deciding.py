@@ -85,7 +85,7 @@ BAD: dict[str, tuple[dict[str, Any], str]] = {
     "resolve": ({"resolve": np.inf}, "finite"),
     "no number": ({"s": np.array([9.0, np.nan, 9.0])}, "finite"),
     "overtaken": ({"s": np.array([9.0, -1.0, 9.0])}, "measured_order"),
-    "too close": ({"s": np.array([4.9, 9.0, 9.0])}, "measured_gap"),
+    "too close": ({"s": np.array([4.9, 9.0, 9.0])}, "measured_spacing"),
     "backwards": ({"v": np.array([30.0, 30.0, -1.0, 30.0])}, "measured_backwards"),
     "too fast": ({"v": np.array([36.0, 30.0, 30.0, 30.0])}, "measured_speed"),
     "speed unknown": ({"v": np.array([30.0, np.nan, 30.0, 30.0])}, "finite"),
@@ -195,7 +195,7 @@ def test_in_domain_says_where_the_vehicles_were_whatever_is_asked_for() -> None:
 
 def test_policies_act_on_verdicts_in_the_shell_alone() -> None:
     """The same decisions; policy 1 raises and keeps the last command, policy 2 warns at the first of a stretch."""
-    close, apart = (Measurement(np.array([gap, 15.0, 15.0]), np.full(4, 30.0), 4) for gap in (5.2, 15.0))
+    close, apart = (Measurement(np.array([spacing, 15.0, 15.0]), np.full(4, 30.0), 4) for spacing in (5.2, 15.0))
     rows = [apart, close, close, apart, close]
     for policy in (1, 2):
         heard: list[str] = []
@@ -206,7 +206,7 @@ def test_policies_act_on_verdicts_in_the_shell_alone() -> None:
             if policy == 1 and found.verdict is Verdict.NOT_CERTIFIED:
                 with pytest.raises(ModelError) as caught:
                     shell.sample(0.1 * k, row)
-                assert str(caught.value) == str(found.why) and caught.value.key == "lemma1_controller_gap"
+                assert str(caught.value) == str(found.why) and caught.value.key == "lemma1_controller_spacing"
                 continue
             shell.sample(0.1 * k, row)
             if found.verdict is Verdict.NOT_CERTIFIED and pure.T_max > 0.01:

@@ -105,9 +105,9 @@ def test_told_to_stand_a_platoon_comes_to_rest(start: Start, shape: PotentialPar
 
 
 @pytest.mark.parametrize("shape", [V_OLD, BEST_FIXED])
-@pytest.mark.parametrize("gap", [CONSTANTS.L + 1e-9, 6.0, 11.0, 19.0, 40.0])
-def test_who_stands_and_is_told_to_stand_is_commanded_nothing(shape: PotentialParameters, gap: float) -> None:
-    s, v = np.array([gap, 8.0, gap]), np.zeros(4)
+@pytest.mark.parametrize("spacing", [CONSTANTS.L + 1e-9, 6.0, 11.0, 19.0, 40.0])
+def test_who_stands_and_is_told_to_stand_is_commanded_nothing(shape: PotentialParameters, spacing: float) -> None:
+    s, v = np.array([spacing, 8.0, spacing]), np.zeros(4)
     assert feedback_towards(s, v, shape, CONSTANTS, 0.0).tolist() == [0.0] * 4
 
 

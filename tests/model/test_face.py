@@ -315,7 +315,9 @@ def test_a_batch_counts_its_warnings() -> None:
     assert many.potentials[1] == BEST_FIXED != many.potentials[0]
 
 
-@pytest.mark.parametrize(("row", "value", "key"), [(0, 5.0, "gap"), (2, np.nan, "finite"), (1, -3.0, "gap_order")])
+@pytest.mark.parametrize(
+    ("row", "value", "key"), [(0, 5.0, "spacing"), (2, np.nan, "finite"), (1, -3.0, "spacing_order")]
+)
 def test_a_start_of_a_batch_that_is_outside_is_refused_like_a_single_one(row: int, value: float, key: str) -> None:
     s, v = starts(3, 4)
     s[row, 1] = value

@@ -27,16 +27,16 @@ from strategies import CONSTANTS, Vector, paper_start
 
 L, V_MAX = CONSTANTS.L, CONSTANTS.v_max
 
-# name: gaps, speeds, accelerations, and the bound that is the smallest, by hand
+# name: spacings, speeds, accelerations, and the bound that is the smallest, by hand
 BOUNDS = {
-    "gap": ([5.7, 9.0], [30.0, 30.0, 30.0], [1.0, -1.0, 0.0], 0.7 / 35),
-    "last gap": ([9.0, 5.35], [30.0, 30.0, 30.0], [1.0, -1.0, 0.0], 0.35 / 35),
+    "spacing": ([5.7, 9.0], [30.0, 30.0, 30.0], [1.0, -1.0, 0.0], 0.7 / 35),
+    "last spacing": ([9.0, 5.35], [30.0, 30.0, 30.0], [1.0, -1.0, 0.0], 0.35 / 35),
     "leader too fast": ([9.0, 9.0], [34.0, 30.0, 30.0], [40.0, -1.0, 2.0], 1.0 / 40),
     "last too fast": ([9.0, 9.0], [34.0, 30.0, 34.9], [4.0, -1.0, 2.0], 0.1 / 2),
     "too slow": ([9.0, 9.0], [34.0, 0.3, 30.0], [1.0, -6.0, 2.0], 0.3 / 6),
     "gently too fast": ([25.0, 25.0], [30.0, 34.9, 30.0], [0.0, 0.5, 0.0], 0.1 / 0.5),
     "alone too fast": ([], [34.0], [40.0], 1.0 / 40),
-    "gap and speed at once": ([12.0], [30.0, 34.0], [0.0, 5.0], 0.2),
+    "spacing and speed at once": ([12.0], [30.0, 34.0], [0.0, 5.0], 0.2),
 }
 
 
@@ -55,8 +55,8 @@ def test_speed_bounds_are_exact(name: str) -> None:
         assert bool(((after > 0) & (after < V_MAX)).all()) is inside
 
 
-def test_gap_bound_is_exact_for_the_worst_speeds() -> None:
-    """Leader standing, follower at v_max: the gap falls to L in exactly (s - L)/v_max."""
+def test_spacing_period_is_exact_for_the_worst_speeds() -> None:
+    """Leader standing, follower at v_max: the spacing falls to L in exactly (s - L)/v_max."""
     s, v, a = np.array([5.7]), np.array([0.0, V_MAX]), np.zeros(2)
     bound = float(largest_period(s, v, a, CONSTANTS))
     assert advance(s, v, a, bound * (1 - 1e-9))[0][0] > L > advance(s, v, a, bound * (1 + 1e-9))[0][0]
@@ -74,8 +74,8 @@ def test_any_certified_period_stays_in_omega_throughout(seed: int, vehicles: int
     a = feedback(s, v, V_OLD, CONSTANTS)
     T = float(largest_period(s, v, a, CONSTANTS)) * (1 - 1e-12)
     for tau in np.linspace(0.0, T, 21):
-        gaps, speeds = advance(s, v, a, tau)
-        assert (gaps > L).all() and (speeds >= 0).all() and (speeds <= V_MAX).all()
+        spacings, speeds = advance(s, v, a, tau)
+        assert (spacings > L).all() and (speeds >= 0).all() and (speeds <= V_MAX).all()
 
 
 @pytest.mark.parametrize("policy", list(Lemma1Policy))
@@ -139,13 +139,13 @@ def test_policy_1_refuses_during_the_run_too_and_stays_at_that_instant() -> None
 @pytest.mark.parametrize(
     ("name", "key", "words"),
     [
-        ("gap", "lemma1_gap", ["vehicle 2", "s[2] = 5.7 m", "L = 5 m", "35 m/s", "T < 0.02 s"]),
-        ("last gap", "lemma1_gap", ["vehicle 3", "s[3] = 5.35 m", "T < 0.01 s"]),
+        ("spacing", "lemma1_spacing", ["vehicle 2", "s[2] = 5.7 m", "L = 5 m", "35 m/s", "T < 0.02 s"]),
+        ("last spacing", "lemma1_spacing", ["vehicle 3", "s[3] = 5.35 m", "T < 0.01 s"]),
         ("leader too fast", "lemma1_fast", ["vehicle 1", "v[1] = 34 m/s", "a[1] = 40 m/s2", "35 m/s", "T < 0.025 s"]),
         ("too slow", "lemma1_slow", ["vehicle 2", "v[2] = 0.3 m/s", "a[2] = -6 m/s2", "a stop, 0 m/s", "T < 0.05 s"]),
         ("gently too fast", "lemma1_fast", ["vehicle 2", "v[2] = 34.9 m/s", "a[2] = 0.5 m/s2", "T < 0.2 s"]),
         ("alone too fast", "lemma1_fast", ["vehicle 1", "v[1] = 34 m/s", "a[1] = 40 m/s2", "T < 0.025 s"]),
-        ("gap and speed at once", "lemma1_gap", ["vehicle 2", "s[2] = 12 m", "T < 0.2 s"]),
+        ("spacing and speed at once", "lemma1_spacing", ["vehicle 2", "s[2] = 12 m", "T < 0.2 s"]),
     ],
 )
 def test_the_violation_names_vehicle_values_bound_and_remedy(name: str, key: str, words: list[str]) -> None:
@@ -184,10 +184,10 @@ def test_a_resumed_platoon_is_silent_until_it_is_told_whom_to_warn() -> None:
 
 
 def test_policy_2_says_where_the_model_ends() -> None:
-    """Driven far beyond its certificate, a gap can pass L; the run must stop there and not divide by zero."""
+    """Driven far beyond its certificate, a spacing can pass L; the run must stop there and not divide by zero."""
     start = PlatoonState(np.array([5.5, 9.0]), np.array([0.0, V_MAX, V_MAX]))
     platoon = SampledPlatoon.begin(start, V_OLD, sampling=Sampling(0.1, Lemma1Policy.WARN))
     with pytest.raises(ModelError) as caught:
         platoon.advance_to(10, 0.0)
-    assert caught.value.key == "left_gap" and "lemma1_policy 3" in str(caught.value)
+    assert caught.value.key == "left_spacing" and "lemma1_policy 3" in str(caught.value)
     assert platoon.now.s.min() <= start.constants.L < start.s.min()  # what is said is what is shown

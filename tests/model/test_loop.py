@@ -132,7 +132,7 @@ def test_a_spacing_at_L_ends_the_law_and_decides_nothing_anew() -> None:
     assert np.array_equal(now.a, before.a) and (now.T_max, now.violations) == (before.T_max, before.violations)
     assert now.cost[0] > 0.0 < now.cost[1]
     error = refusal(loop, now, verdict)
-    assert error.key == "left_gap" and error.values == (2, now.s[0], CONSTANTS.L, 2.0)
+    assert error.key == "left_spacing" and error.values == (2, now.s[0], CONSTANTS.L, 2.0)
     for array in (now.s, now.v):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1.0
@@ -168,7 +168,7 @@ def test_other_vehicles_are_looked_after_even_where_every_period_was_certified(p
     )
     with pytest.raises(ModelError) as caught:
         platoon.advance_to(1, 0.0)
-    assert caught.value.key == "left_gap" and platoon.now.s[0] == 4.0 and platoon.now.violations == 0
+    assert caught.value.key == "left_spacing" and platoon.now.s[0] == 4.0 and platoon.now.violations == 0
 
 
 def test_the_sentence_of_an_instant_that_is_not_certified_is_its_own() -> None:
@@ -176,7 +176,7 @@ def test_the_sentence_of_an_instant_that_is_not_certified_is_its_own() -> None:
     now, verdict = begin(loop, 0.0, np.array([9.0, 30.0]), np.array([30.0, 30.0, 30.0]))
     later = now._replace(period=3, fraction=0.5)
     error = refusal(loop, later, verdict)
-    assert error.key == "lemma1_gap" and error.values[:4] == (0.5, now.T_max, 1.75, 2)
+    assert error.key == "lemma1_spacing" and error.values[:4] == (0.5, now.T_max, 1.75, 2)
 
 
 def test_periods_are_cut_in_halves_down_to_the_shortest_and_end_at_nominal_instants() -> None:
@@ -207,8 +207,8 @@ def test_the_terms_of_J_add_up_over_steps_and_changes() -> None:
         s, v, alpha=1e-3, r=11.0, p=5.5, duration=0.3, constants=reference.Constants(w1=0.3, s_ref=7.0)
     )
     now, _ = begin(loop, 0.0, s, v)
-    for acceleration, gap in zip(run.J_acceleration, run.J_gap, strict=True):
-        assert now.cost == pytest.approx((acceleration, gap), rel=1e-12, abs=1e-15)
+    for acceleration, spacing in zip(run.J_acceleration, run.J_gap, strict=True):
+        assert now.cost == pytest.approx((acceleration, spacing), rel=1e-12, abs=1e-15)
         vehicles, cost = after(loop, now, 0.004)
         split, _ = resample(loop, now, (now.period, 0.4), (0.0, vehicles.s, vehicles.v))
         assert split.cost == cost and split.cost[1] > now.cost[1]

@@ -55,7 +55,7 @@ def whole_period(s: Any, v: Any, shape: Any) -> list[Any]:
 
 
 def batch(vehicles: int, count: int) -> tuple[Any, Any, Any]:
-    """Gaps on the hill, below r, beyond lambda and near L; speeds at both ends; a triple for every member."""
+    """Spacings on the hill, below r, beyond lambda and near L; speeds at both ends; a triple for every member."""
     rng = np.random.default_rng(vehicles)
     s, v = rng.uniform(5.1, 22, (vehicles - 1, count)), rng.uniform(0, 35, (vehicles, count))
     s[0, 0], v[0, 0], v[-1, 1] = 5.001, 0.0, 35.0

@@ -75,17 +75,17 @@ def walk(platoon: SampledPlatoon, times: list[float]) -> dict[int, Observation]:
     return seen
 
 
-def platoon(policy: Lemma1Policy, gap: float | None = None) -> SampledPlatoon:
+def platoon(policy: Lemma1Policy, spacing: float | None = None) -> SampledPlatoon:
     s, v = paper_start(8, 5)
-    if gap is not None:
-        s[1] = gap
+    if spacing is not None:
+        s[1] = spacing
     return SampledPlatoon.begin(PlatoonState(s, v, x_leader=100.0), V_OLD, sampling=Sampling(T, policy))
 
 
 CASES: dict[str, Callable[[], SampledPlatoon]] = {
     "policy 1": lambda: platoon(Lemma1Policy.ERROR),
-    "policy 2, violated": lambda: platoon(Lemma1Policy.WARN, gap=6.5),
-    "policy 3, shortened": lambda: platoon(Lemma1Policy.SHORTEN, gap=CONSTANTS.L + 0.02),
+    "policy 2, violated": lambda: platoon(Lemma1Policy.WARN, spacing=6.5),
+    "policy 3, shortened": lambda: platoon(Lemma1Policy.SHORTEN, spacing=CONSTANTS.L + 0.02),
 }
 
 
@@ -140,7 +140,7 @@ def test_between_short_periods_too_time_counts_from_the_last_instant() -> None:
 
 
 def test_running_cost_between_instants_is_the_integral() -> None:
-    """Simpson's rule is exact for the quadratic gaps and the constant accelerations."""
+    """Simpson's rule is exact for the quadratic spacings and the constant accelerations."""
     run, weights = CASES["policy 1"](), ObjectiveWeights()
     middle, end = run.observe(0, 0.5), run.observe(0, 1.0)
     area = T / 6 * (run.now.s.sum() + 4 * middle.s.sum() + end.s.sum())
@@ -305,8 +305,8 @@ def test_locate_at_the_ends_of_its_tolerance_and_of_what_can_be_counted() -> Non
         locate(1e200, 0.25)
 
 
-def test_the_platoon_drives_far_without_losing_its_gaps() -> None:
-    """Gaps are integrated themselves: a leader at 10 million metres changes nothing about them."""
+def test_the_platoon_drives_far_without_losing_its_spacings() -> None:
+    """Spacings are integrated themselves: a leader at 10 million metres changes nothing about them."""
     s, v = paper_start(8, 5)
     near = SampledPlatoon.begin(PlatoonState(s, v), BEST_FIXED)
     far = SampledPlatoon.begin(PlatoonState(s, v, x_leader=1e7), BEST_FIXED)

@@ -38,14 +38,14 @@ def minimum_before_the_hill() -> float:
 
 
 @each_start
-def test_scenario_1_gaps_end_at_or_above_lambda(seed: int) -> None:
+def test_scenario_1_spacings_end_at_or_above_lambda(seed: int) -> None:
     final = scenario(V_OLD, seed).s[-1]
     assert (final >= CONSTANTS.lam).all() and (final < 1.25 * CONSTANTS.lam).all()
 
 
 @each_start
 def test_accelerations_reach_hundreds_in_scenario_1_and_two_orders_less_in_scenario_2(seed: int) -> None:
-    """Paper: 'extremely large' for short gaps with V_old, 'more realistic' with V_new."""
+    """Paper: 'extremely large' for short spacings with V_old, 'more realistic' with V_new."""
     old, new = peak(scenario(V_OLD, seed, close=True)), peak(scenario(BEST_FIXED, seed, close=True))
     assert old > 300.0
     assert new < old / 100.0
@@ -60,8 +60,8 @@ def test_accelerations_anywhere_in_the_domain(seed: int) -> None:
 
 
 @each_start
-def test_scenario_2_gaps_are_near_the_minimum_after_20_s(seed: int) -> None:
-    """V_new is so flat before the hill that they are still closing in; gaps that got over the hill's crest are not."""
+def test_scenario_2_spacings_are_near_the_minimum_after_20_s(seed: int) -> None:
+    """V_new is so flat before the hill that they are still closing in; those that got over the hill's crest are not."""
     final = scenario(BEST_FIXED, seed).s[-1]
     before = final[final < 13.0]
     assert before.size >= 5
@@ -73,7 +73,7 @@ def test_scenario_2_takes_less_road(seed: int) -> None:
     assert scenario(BEST_FIXED, seed).s[-1].mean() < 0.6 * scenario(V_OLD, seed).s[-1].mean()
 
 
-def test_scenario_2_gaps_converge_to_the_minimum() -> None:
+def test_scenario_2_spacings_converge_to_the_minimum() -> None:
     s, v = paper_start(0, 7)
     late = simulate(PlatoonState(s, v), BEST_FIXED, duration=100.0, output_step=50.0).s[-1]
     assert late == pytest.approx(np.full(6, minimum_before_the_hill()), abs=2e-3)

@@ -20,8 +20,8 @@ def test_behind_one_leader(mu: float, share: float, H: float) -> None:
 
 @given(st.floats(0.1, 4), st.floats(0.01, 4), st.floats(0, 3), st.floats(0, 1.5))
 def test_behind_the_predecessor(m: float, stiffness: float, h: float, H: float) -> None:
-    late, gap = m * H + 0.5 * stiffness * H * H, m * h + 0.5 * stiffness * h * h
-    assume(abs(late - 1.0) > EDGE and abs(gap - 1.0) > EDGE)
+    late, spacing = m * H + 0.5 * stiffness * H * H, m * h + 0.5 * stiffness * h * h
+    assume(abs(late - 1.0) > EDGE and abs(spacing - 1.0) > EDGE)
     above = m * S * (1 + H * S) + stiffness * (1 + H * S + 0.5 * H * H * S * S)
     gain = np.abs(above / (S * S + (m + stiffness * h) * S + stiffness))
-    assert (gain.max() <= 1 + 1e-9) == (late <= 1 and gap >= 1)
+    assert (gain.max() <= 1 + 1e-9) == (late <= 1 and spacing >= 1)

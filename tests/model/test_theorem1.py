@@ -88,10 +88,10 @@ def test_policy_3_never_leaves_omega(start: Start, shape: PotentialParameters) -
     assert all(now.span * 0.01 < now.T_max for now in seen)
 
 
-@pytest.mark.parametrize(("shape", "gap"), [(V_OLD, 0.02), (BEST_FIXED, 0.001)], ids=["V_old", "V_new"])
-def test_policy_3_keeps_a_crowd_at_L_inside_omega(shape: PotentialParameters, gap: float) -> None:
+@pytest.mark.parametrize(("shape", "spacing"), [(V_OLD, 0.02), (BEST_FIXED, 0.001)], ids=["V_old", "V_new"])
+def test_policy_3_keeps_a_crowd_at_L_inside_omega(shape: PotentialParameters, spacing: float) -> None:
     """Thirty vehicles, a hair above L apart, alternately standing and at the speed limit."""
-    s, v = np.full(29, CONSTANTS.L + gap), np.where(np.arange(30) % 2 == 0, 0.0, CONSTANTS.v_max)
+    s, v = np.full(29, CONSTANTS.L + spacing), np.where(np.arange(30) % 2 == 0, 0.0, CONSTANTS.v_max)
     seen = instants(SampledPlatoon.begin(PlatoonState(s, v), shape, sampling=Sampling(0.01, Lemma1Policy.SHORTEN)), 20)
     assert seen[-1].violations > 20
     assert_in_omega(seen)
@@ -135,10 +135,10 @@ def test_too_many_short_periods_are_a_clear_error_and_the_run_can_go_on() -> Non
     assert np.array_equal(platoon.now.s, untroubled.now.s) and np.array_equal(platoon.now.v, untroubled.now.v)
 
 
-@pytest.mark.parametrize("gap", [1e-9, 1e-12, 2e-15])
-def test_runs_that_start_at_L_end_in_omega_or_in_a_clear_error(gap: float) -> None:
+@pytest.mark.parametrize("spacing", [1e-9, 1e-12, 2e-15])
+def test_runs_that_start_at_L_end_in_omega_or_in_a_clear_error(spacing: float) -> None:
     sampling = Sampling(0.01, Lemma1Policy.SHORTEN, max_short_periods=3000)
-    start = PlatoonState(np.array([CONSTANTS.L + gap, 9.0]), np.array([10.0, 20.0, 30.0]))
+    start = PlatoonState(np.array([CONSTANTS.L + spacing, 9.0]), np.array([10.0, 20.0, 30.0]))
     platoon = SampledPlatoon.begin(start, V_OLD, sampling=sampling)
     try:
         platoon.advance_to(2, 0.0)

@@ -133,8 +133,8 @@ def test_a_policy_may_be_given_by_its_number() -> None:
 
 
 STATES = [
-    ([5.0, 9.0], SPEEDS, "gap", ["s[2] = 5 m", "exceed L = 5 m", "lower L"]),
-    ([9.0, -3.0], SPEEDS, "gap_order", ["s[3] = -3 m", "vehicle 3 behind vehicle 2"]),
+    ([5.0, 9.0], SPEEDS, "spacing", ["s[2] = 5 m", "exceed L = 5 m", "lower L"]),
+    ([9.0, -3.0], SPEEDS, "spacing_order", ["s[3] = -3 m", "vehicle 3 behind vehicle 2"]),
     (GAPS, [30.0, 35.5, 30.0], "speed", ["v[2] = 35.5 m/s", "[0, 35] m/s", "vehicle 2"]),
     (GAPS, [-0.1, 30.0, 30.0], "speed_backwards", ["v[1] = -0.1 m/s", "[0, 35] m/s", "vehicle 1 at 0 m/s or more"]),
     (GAPS, [30.0, 30.0, NAN], "finite", ["v_start[3]", "not nan", "m/s"]),
@@ -187,9 +187,9 @@ def test_frozen_values_cannot_be_changed_afterwards() -> None:
     for instance, name in frozen:
         with pytest.raises(AttributeError):
             setattr(instance, name, -1.0)
-    gaps = np.array(GAPS)
-    start = PlatoonState(gaps, np.array(SPEEDS))
-    gaps[0] = 0.0
+    spacings = np.array(GAPS)
+    start = PlatoonState(spacings, np.array(SPEEDS))
+    spacings[0] = 0.0
     assert start.s[0] == GAPS[0]
     for array in (start.s, start.v):
         with pytest.raises(ValueError, match="read-only"):

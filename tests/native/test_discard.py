@@ -104,7 +104,9 @@ def test_without_debug_logging_a_discarded_step_is_silent(either_fmu):
 
 def test_a_controller_comes_to_the_instant_at_which_its_inputs_are_stale(controller):
     s, v = random_start(8)
-    inputs = {f"s[{i}]": gap for i, gap in enumerate(s, start=2)} | {f"v[{i}]": v_i for i, v_i in enumerate(v, start=1)}
+    inputs = {f"s[{i}]": spacing for i, spacing in enumerate(s, start=2)} | {
+        f"v[{i}]": v_i for i, v_i in enumerate(v, start=1)
+    }
     assert controller.initialise({"parameter_source": 2, "max_age": 0.035} | inputs, 1.0) == OK
     state = controller.slave.getFMUState()
     seen = _same_step_again(controller, 1.0, state)

@@ -342,7 +342,7 @@ def test_joining_asks_for_a_brake_margin(fmu: Unpacked) -> None:
     margin = brake_margin(s - L, Braking(v, np.array(road.group("a")), 0.0, 0.0, -6.5))
     assert margin >= 6.0 - 1e-6
     road.close()
-    road = Instance(fmu)  # nothing would do: too fast for any gap that is looked at
+    road = Instance(fmu)  # nothing would do: too fast for any spacing that is looked at
     assert road.initialise(start | {"join_brake_margin": 11.9, "join_a_min": -0.5}) == OK
     assert joins(road, 0.0, behind | {"insert_gap": 12.0}) == [0.0, 0.0]
     assert "no spacing would be accepted there now" in road.messages[-1][1]

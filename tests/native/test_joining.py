@@ -26,8 +26,8 @@ def road(instance):
     return instance
 
 
-def join(behind: float, gap: float, speed: float) -> dict[str, float]:
-    return {"insert": 1.0, "insert_behind": behind, "insert_gap": gap, "insert_speed": speed}
+def join(behind: float, spacing: float, speed: float) -> dict[str, float]:
+    return {"insert": 1.0, "insert_behind": behind, "insert_gap": spacing, "insert_speed": speed}
 
 
 def active(road, name: str) -> list[float]:
@@ -42,12 +42,15 @@ def test_after_a_join_it_goes_on_as_a_platoon_that_starts_there(road):
     assert road.initialise(FIXED | starts(s, v) | {"n_start": 6}) == OK
     assert road.get("n_active", "vehicle[6]", "vehicle[7]") == [6.0, 6.0, 0.0]
     assert road.step(0.0, 1.0) == OK
-    gaps, speeds = active(road, "s"), active(road, "v")
+    spacings, speeds = active(road, "s"), active(road, "v")
     assert road.set(join(6, 9.5, 29.0)) == OK
     assert road.step(1.0, 1.0) == OK
     assert road.get("n_active", "vehicle[7]", "change_ok", "changes") == [7.0, 7.0, 1.0, 1.0]
     run = simulate(
-        PlatoonState(np.array([*gaps, 9.5]), np.array([*speeds, 29.0])), BEST_FIXED, duration=1.0, sampling=Sampling(T)
+        PlatoonState(np.array([*spacings, 9.5]), np.array([*speeds, 29.0])),
+        BEST_FIXED,
+        duration=1.0,
+        sampling=Sampling(T),
     )
     np.testing.assert_allclose(active(road, "s"), run.s[-1], rtol=0, atol=1e-9)
     np.testing.assert_allclose(active(road, "v"), run.v[-1], rtol=0, atol=1e-9)
@@ -66,7 +69,7 @@ def test_a_trigger_acts_once_when_it_rises_and_between_instants_too(road):
     assert all(now > before for now, before in zip(active(road, "x"), x[1:], strict=True))
 
 
-def test_a_join_that_lemma_1_does_not_cover_is_refused_and_the_offered_gap_does(road):
+def test_a_join_that_lemma_1_does_not_cover_is_refused_and_the_offered_spacing_does(road):
     assert road.initialise(FIXED | starts([20.0] * 6, [30.0] * 7) | {"n_start": 4}) == OK
     before = road.outputs()
     assert road.set(join(2, 5.1, 30.0)) == OK
@@ -151,7 +154,7 @@ def test_a_fallback_that_is_not_feasible_is_refused_before_it_is_needed(road):
     assert "max |V_new'|" in road.messages[-1][1]
 
 
-def test_joining_as_the_leader_with_a_gap_too_small_says_which_place(road):
+def test_joining_as_the_leader_with_a_spacing_too_small_says_which_place(road):
     assert road.initialise(FIXED | starts([20.0] * 6, [30.0] * 7) | {"n_start": 3}) == OK
     assert road.set(join(0, 5.2, 30.0)) == OK and road.step(0.0, T) == OK
     assert "at place 1 with a spacing of 5.2 m at 30 m/s" in road.messages[-1][1]

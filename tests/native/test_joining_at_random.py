@@ -82,7 +82,7 @@ def start(fmu, seed: int, values: dict[str, float]) -> Drive:
     return drive
 
 
-def try_the_gap_that_was_offered(drive: Drive, state, request: dict[str, float], offered: float) -> None:
+def try_the_spacing_that_was_offered(drive: Drive, state, request: dict[str, float], offered: float) -> None:
     """From the state before a refusal; the road is afterwards as it was."""
     refused, time = drive.road.slave.getFMUstate(), drive.time
     drive.road.slave.setFMUstate(state)
@@ -104,7 +104,7 @@ def rounds(drive: Drive, count: int) -> list[list[float]]:
         require_nothing_lost(before, after, request, drive.joined)
         drive.joined += after.n > before.n
         if after.report["refusals"] > before.report["refusals"] and after.report["gap_offered"] > 0:
-            try_the_gap_that_was_offered(drive, state, request, after.report["gap_offered"])
+            try_the_spacing_that_was_offered(drive, state, request, after.report["gap_offered"])
         drive.road.slave.freeFMUstate(state)
         drive.onwards()
         outputs.append(drive.road.outputs())

@@ -24,7 +24,7 @@ from psp_model.offline.onnx_file import Provenance, write_network
 from psp_model.offline.parquet import Dataset, read_dataset
 from psp_model.offline.ranking import train_ranking
 from psp_model.offline.recipes import RECIPES, Trained, train
-from psp_model.offline.structures import PerGap
+from psp_model.offline.structures import PerSpacing
 from psp_model.selection.network import ParameterNetwork, network_path, read_networks
 from psp_model.selection.rollout import rollout_costs
 from psp_model.selection.search.engine import Problem
@@ -53,7 +53,7 @@ def mixture(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Mixture]:
 @pytest.fixture(scope="module")
 def trained(mixture: Mixture) -> tuple[Trained, Trained, np.ndarray]:
     """Answer, ranking and dictionary of a small network for any number of vehicles."""
-    recipe = replace(RECIPES["any"], hidden=(8,), per_gap=(8, 6), schedule=QUICK)
+    recipe = replace(RECIPES["any"], hidden=(8,), per_spacing=(8, 6), schedule=QUICK)
     parameters = train(mixture, recipe, 0, None, lambda *losses: None)
     ranking, dictionary = train_ranking(mixture, parameters.structure, 9, (8,), 0, None, lambda *losses: None, QUICK)
     return parameters, ranking, dictionary
@@ -71,22 +71,22 @@ def small(
     return path
 
 
-def random_layers(structure: PerGap) -> list[tuple[np.ndarray, np.ndarray]]:
+def random_layers(structure: PerSpacing) -> list[tuple[np.ndarray, np.ndarray]]:
     rng = np.random.default_rng(1)
     return [(W, rng.standard_normal(b.size).astype(np.float32)) for W, b in structure.initial((7,), 3, 0)]
 
 
 @pytest.mark.parametrize("vehicles", [2, 3, 12])
-def test_gaps_that_are_not_there_change_nothing(vehicles: int) -> None:
-    short, long = PerGap(vehicles - 1, (9, 5)), PerGap(20, (9, 5))
+def test_spacings_that_are_not_there_change_nothing(vehicles: int) -> None:
+    short, long = PerSpacing(vehicles - 1, (9, 5)), PerSpacing(20, (9, 5))
     layers, starts = random_layers(short), draw(vehicles, 6)
     filled = long.apply(layers, long.rows(starts, DOMAIN))
     np.testing.assert_allclose(short.apply(layers, short.rows(starts, DOMAIN)), filled, rtol=1e-5, atol=1e-5)
     np.testing.assert_allclose(long.apply(layers, long.rows(starts[2:3], DOMAIN))[0], filled[2], rtol=1e-5, atol=1e-5)
 
 
-def test_without_neighbours_the_order_of_the_gaps_does_not_matter() -> None:
-    structure = PerGap(8, (9, 5), radius=0)
+def test_without_neighbours_the_order_of_the_spacings_does_not_matter() -> None:
+    structure = PerSpacing(8, (9, 5), radius=0)
     layers, rows = random_layers(structure), structure.rows(draw(6, 5), DOMAIN)
     mixed = rows[:, np.random.default_rng(2).permutation(8)]
     np.testing.assert_allclose(structure.apply(layers, mixed), structure.apply(layers, rows), rtol=1e-5, atol=1e-5)
@@ -96,7 +96,7 @@ def test_without_neighbours_the_order_of_the_gaps_does_not_matter() -> None:
 
 
 def reference(model: onnx.ModelProto, prefix: str, shared: int, s: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """What the network should give, gap by gap in float64 from the numbers in the file."""
+    """What the network should give, spacing by spacing in float64 from the numbers in the file."""
     numbers = {tensor.name: numpy_helper.to_array(tensor).astype(float) for tensor in model.graph.initializer}
     count = sum(name.startswith(f"{prefix}_W") for name in numbers)
     layers = [(numbers[f"{prefix}_W{k}"], numbers[f"{prefix}_b{k}"]) for k in range(1, count + 1)]
@@ -156,8 +156,8 @@ def test_training_lowers_the_loss_and_the_file_computes_what_was_trained(
     assert network.vehicles == range(3, 5)
     assert all(data.sha256 in network.trained_on for data in mixture.sets)
     for data in mixture.sets:
-        gaps = data.problem.vehicles - 1
-        start = data.starts[0, :gaps], data.starts[0, gaps:]
+        spacings = data.problem.vehicles - 1
+        start = data.starts[0, :spacings], data.starts[0, spacings:]
         candidates = network.candidates(*start, 5)
         assert len(candidates) == 5 and candidates[0] == network.evaluate(*start)
     with pytest.raises(ModelError, match="made for 3 to 4 vehicles, not for 5"):

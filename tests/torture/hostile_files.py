@@ -22,7 +22,7 @@ _TOML = b"""duration = "0.05 s"
 vehicles = 4
 step = 0.01
 [start]
-gaps = [9.0, "9.5 m", 10]
+spacings = [9.0, "9.5 m", 10]
 speeds = [30, "108 km/h", 31.5, 30.0]
 position = 3.0
 [set]

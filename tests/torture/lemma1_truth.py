@@ -1,6 +1,6 @@
-"""Lemma 1 against the truth: when a gap reaches L or a speed leaves [0, v_max] while the accelerations are held.
+"""Lemma 1 against the truth: when a spacing reaches L or a speed leaves [0, v_max] while the accelerations are held.
 
-Within a sampling period gaps are parabolas and speeds straight lines, so that time is a closed form.  A certified
+Within a sampling period spacings are parabolas and speeds straight lines, so that time is a closed form.  A certified
 period (T < T_max) must end before it; how much later it comes says how conservative the lemma is.
 """
 
@@ -34,7 +34,7 @@ def first_exit(lanes: Lanes, a: Array) -> Array:
     with np.errstate(all="ignore"):
         of_speeds = np.where(a > 0, (lanes.v_max - lanes.v) / a, np.where(a < 0, lanes.v / -a, np.inf))
         room, slope, curve = lanes.s - lanes.L, -np.diff(lanes.v, axis=0), -0.5 * np.diff(a, axis=0)
-        root = np.sqrt(slope * slope - 4.0 * curve * room)  # NaN where the gap never reaches L
+        root = np.sqrt(slope * slope - 4.0 * curve * room)  # NaN where the spacing never reaches L
         q = -0.5 * (slope + np.copysign(root, slope))
         times = np.stack([q / curve, room / q])
     times = np.where(times > 0, times, np.inf)  # false for NaN too
@@ -53,10 +53,10 @@ def goes_wrong(lanes: Lanes, lane: int, a: Array, T: float) -> bool:
     L, v_max, end = (Fraction(float(x)) for x in (lanes.L[lane], lanes.v_max[lane], T))
     if any(not 0 <= speed + end * push <= v_max for speed, push in zip(v, held, strict=True)):
         return True
-    for i, gap in enumerate(s):
+    for i, spacing in enumerate(s):
         slope, curve = v[i] - v[i + 1], (held[i] - held[i + 1]) / 2
         times = [end] + ([-slope / (2 * curve)] if curve > 0 and 0 < -slope / (2 * curve) < end else [])
-        if any(gap + t * (slope + t * curve) <= L for t in times):
+        if any(spacing + t * (slope + t * curve) <= L for t in times):
             return True
     return False
 

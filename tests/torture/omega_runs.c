@@ -1,7 +1,7 @@
 /* Follows many starts under policy 3 with the native FMU's own clock and formulas, and looks at every sampling instant.
  *
- * A row of `starts` holds L, lambda, v_star, v_max, epsilon, mu, z, alpha, r, p, hill, T, then n-1 gaps and n speeds;
- * a row of `ends` gets what became of it (enum End), then the gaps and speeds at the end.
+ * A row of `starts` holds L, lambda, v_star, v_max, epsilon, mu, z, alpha, r, p, hill, T, then n-1 spacings and n speeds;
+ * a row of `ends` gets what became of it (enum End), then the spacings and speeds at the end.
  */
 #include <math.h>
 #include <string.h>

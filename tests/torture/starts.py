@@ -80,9 +80,9 @@ def _shapes(rng: np.random.Generator, lanes: Lanes) -> None:
         part.alpha = ALPHA_MIN * (ALPHA_MAX / ALPHA_MIN) ** rng.random(todo.size)
         part.r = part.L + (part.lam - HILL_WIDTH - part.L) * rng.random(todo.size) ** 0.7
         part.p = rng.uniform(P_MIN, P_MAX, todo.size)
-        gaps = part.r + np.linspace(0, HILL_WIDTH, _POINTS)[:, None]
+        spacings = part.r + np.linspace(0, HILL_WIDTH, _POINTS)[:, None]
         with np.errstate(all="ignore"):
-            feasible = np.abs(potential_slope(gaps, part, part)).max(axis=0) < _SAFETY * part.z
+            feasible = np.abs(potential_slope(spacings, part, part)).max(axis=0) < _SAFETY * part.z
         for name in ("alpha", "r", "p"):
             getattr(lanes, name)[todo] = getattr(part, name)
         todo = todo[~feasible]
@@ -91,8 +91,8 @@ def _shapes(rng: np.random.Generator, lanes: Lanes) -> None:
 def draw(rng: np.random.Generator, vehicles: int, count: int, old: bool = False) -> Lanes:
     """Starts over all of Omega.
 
-    Gaps from 1 mm above L: a third of all starts has most of its gaps close to L, a third is spread evenly up to
-    lambda, the rest lies anywhere up to 60 m.  A quarter of all speeds is 0 or v_max.
+    Spacings from 1 mm above L: a third of all starts has most close to L, a third is spread evenly up to lambda,
+    the rest lies anywhere up to 60 m.  A quarter of all speeds is 0 or v_max.
 
     Parameters
     ----------

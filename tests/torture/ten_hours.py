@@ -24,17 +24,17 @@ WAY = 1e-9  # most difference of the leader's position, of the way driven
 _BLOCKS = 20
 
 
-def reference(vehicles: int, gaps: list[float], speeds: list[float], periods: int) -> tuple[Any, Any, Any]:
-    """Gaps, speeds and the leader's position after so many periods, by psp_model in extended precision.
+def reference(vehicles: int, spacings: list[float], speeds: list[float], periods: int) -> tuple[Any, Any, Any]:
+    """Spacings, speeds and the leader's position after so many periods, by psp_model in extended precision.
 
     Parameters
     ----------
     vehicles : n
-    gaps, speeds : at the start [m], [m/s]
+    spacings, speeds : at the start [m], [m/s]
     periods : how many
     """
     wide, constants = np.longdouble, PlatoonParameters()
-    s, v, x, step = np.array(gaps, wide), np.array(speeds, wide), wide(0), wide(T)
+    s, v, x, step = np.array(spacings, wide), np.array(speeds, wide), wide(0), wide(T)
     for _ in range(periods):
         a = feedback(s, v, BEST_FIXED, constants)
         x += travelled(v[0], a[0], step)
@@ -80,14 +80,14 @@ def run(chunk: Chunk) -> Outcome:
     outputs = dict(zip([v.name for v in variables if v.causality == "output"], raw.outputs(), strict=True))
     starts = {v.name: v.start for v in variables}
     n = raw.library.fmu.vehicles
-    gaps = [float(starts[f"s_start[{i}]"]) for i in range(2, n + 1)]
+    spacings = [float(starts[f"s_start[{i}]"]) for i in range(2, n + 1)]
     speeds = [float(starts[f"v_start[{i}]"]) for i in range(1, n + 1)]
-    s, v, x = reference(n, gaps, speeds, chunk.count // _BLOCKS * _BLOCKS)
+    s, v, x = reference(n, spacings, speeds, chunk.count // _BLOCKS * _BLOCKS)
     apart = max(abs(float(outputs[f"s[{i}]"] - s[i - 2])) for i in range(2, n + 1))
     apart = max(apart, *(abs(float(outputs[f"v[{i}]"] - v[i - 1])) for i in range(1, n + 1)))
-    outcome.note(f"{one.name}: gaps and speeds apart", apart)
+    outcome.note(f"{one.name}: spacings and speeds apart", apart)
     outcome.note(f"{one.name}: leader apart, of the way", abs(float((outputs["x[1]"] - x) / x)))
-    # what double precision leaves open: half a unit in the last place of a gap (below lambda, 20 m) in every period
+    # what double precision leaves open: half a unit in the last place of a spacing (below lambda, 20 m) in every period
     drift = 0.5 * float(np.spacing(20.0)) * chunk.count
     if not apart < drift or not abs(float((outputs["x[1]"] - x) / x)) < WAY:
         outcome.violate(f"{one.name} drifted by {apart} from the reference: {json.dumps(outputs)}")

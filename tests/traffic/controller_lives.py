@@ -56,13 +56,13 @@ def road_settings(rng: np.random.Generator) -> dict[str, float]:
 
 
 def inputs(rng: np.random.Generator, time: float, n: int | None = None) -> dict[str, float]:
-    """Gaps, speeds and the other inputs: from the training domain, from all of the state space, or bad ones."""
+    """Spacings, speeds and the other inputs: from the training domain, from all of the state space, or bad ones."""
     n = int(rng.choice([1, 2, 4, 6, 7, 7, 7])) if n is None else n
     if rng.random() < 0.5:
         s, v = random_start(int(rng.integers(1000)), n) if n > 1 else ([], [30.0])
     else:
         s, v = rng.uniform(5.01, 25.0, n - 1), rng.uniform(0.0, 35.0, n)
-    named = {f"s[{i}]": float(gap) for i, gap in enumerate(s, start=2)}
+    named = {f"s[{i}]": float(spacing) for i, spacing in enumerate(s, start=2)}
     named |= {f"v[{i}]": float(speed) for i, speed in enumerate(v, start=1)}
     named |= {"n_active": float(n), "resolve": float(rng.integers(2)), "t_measured": float(rng.choice([-1.0, time]))}
     named["v_desired"] = float(rng.choice([-1.0, rng.uniform(0.0, 35.0), 0.0, 35.0, -1e-9, 35.0 + 1e-9, 1e-300]))

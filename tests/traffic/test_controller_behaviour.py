@@ -18,8 +18,8 @@ SAFE = FIXED | {"bad_input": 2, "a_safe": -3.0}
 
 
 def named(s, v) -> dict[str, float]:
-    gaps = {f"s[{i}]": gap for i, gap in enumerate(s, start=2)}
-    return gaps | {f"v[{i}]": speed for i, speed in enumerate(v, start=1)}
+    spacings = {f"s[{i}]": spacing for i, spacing in enumerate(s, start=2)}
+    return spacings | {f"v[{i}]": speed for i, speed in enumerate(v, start=1)}
 
 
 def law(s, v) -> np.ndarray:
@@ -80,15 +80,15 @@ def test_parameters_are_chosen_anew_when_vehicles_join_or_resolve_rises(controll
 @pytest.mark.parametrize("asked", [{}, FIXED, {"potential": 1}, {"parameter_source": 3, "rollout_horizon": 1.0}])
 def test_network_in_domain_says_where_the_vehicles_are_whatever_is_asked_for(controller, platoon_fmu, instances, asked):
     s, v = random_start(6)
-    far = [gap + 20.0 for gap in s]
-    for gaps, more, expected in [
+    far = [spacing + 20.0 for spacing in s]
+    for spacings, more, expected in [
         (s, {}, 1.0),
         (far, {}, 0.0),
         (s, {"mu": 0.6}, 0.0),  # not what the network was trained with
         (s, {"n_active": 4.0}, 1.0),
         (s, {"n_active": 1.0}, 0.0),
     ]:
-        assert controller.initialise(named(gaps, v) | asked | more) == OK
+        assert controller.initialise(named(spacings, v) | asked | more) == OK
         assert controller.get("network_in_domain") == [expected], more
         assert controller.step(0.0, T) == OK and controller.set(named(s, v)) == OK and controller.step(T, T) == OK
         assert controller.get("network_in_domain") == [expected]  # until alpha, r, p are chosen anew
@@ -97,7 +97,7 @@ def test_network_in_domain_says_where_the_vehicles_are_whatever_is_asked_for(con
         begin = {
             "n_start" if name == "n_active" else name: int(x) if name == "n_active" else x for name, x in more.items()
         }
-        assert platoon.initialise(starts(gaps, v) | begin | asked) == OK
+        assert platoon.initialise(starts(spacings, v) | begin | asked) == OK
         assert platoon.get("network_in_domain") == [expected]
 
 

@@ -37,8 +37,8 @@ def leader_fmu(request, controller_fmu):
 
 
 def measurement(plant) -> dict[str, float]:
-    gaps, speeds = plant.group("s"), plant.group("v")
-    named = {f"s[{i}]": gap for i, gap in enumerate(gaps, start=2)}
+    spacings, speeds = plant.group("s"), plant.group("v")
+    named = {f"s[{i}]": spacing for i, spacing in enumerate(spacings, start=2)}
     return named | {f"v[{i}]": speed for i, speed in enumerate(speeds, start=1)}
 
 

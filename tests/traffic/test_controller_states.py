@@ -65,7 +65,7 @@ def test_what_is_computed_where_it_is_read_is_the_same_in_any_way_of_reading(ins
     margins = set()
     for k in range(30):
         s, v = random_start(k, N)
-        named = {f"s[{i}]": float(gap) + 10.0 for i, gap in enumerate(s, start=2)}
+        named = {f"s[{i}]": float(spacing) + 10.0 for i, spacing in enumerate(s, start=2)}
         named |= {f"v[{i}]": float(speed) for i, speed in enumerate(v, start=1)}
         assert instance.set(named | {"automated[1]": float(rng.integers(2))}) == OK
         margin, period = instance.get("brake_margin"), instance.get("T_exact")

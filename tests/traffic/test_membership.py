@@ -43,16 +43,16 @@ def step(road: OpenPlatoon, rng: np.random.Generator, time: list[float]) -> Open
     if rng.random() < (0.65 if n < 9 else 0.5):
         place = int(rng.integers(0, n + 1))
         room = seen.s[place - 1] if 0 < place < n else 40.0
-        gap = rng.choice(
+        spacing = rng.choice(
             [rng.uniform(C.L, max(room - C.L, C.L + 0.1)), C.L, C.L + T * C.v_max * 1.01, 0.5 * room, 30.0]
         )
         speed = rng.choice([0.0, C.v_max, C.v_star, rng.uniform(0, C.v_max), seen.v[min(place, n - 1)]])
-        asked, refused = road.insert(place, gap, speed, *at)
+        asked, refused = road.insert(place, spacing, speed, *at)
         road = asked
         joined = () if refused else (road.joined,)
         assert road.vehicles == (*before[:place], *joined, *before[place:])
-        if refused and np.isfinite(refused.gap):
-            assert road.insert(place, refused.gap, speed, *at)[1] is None  # the gap that is offered does
+        if refused and np.isfinite(refused.spacing):
+            assert road.insert(place, refused.spacing, speed, *at)[1] is None  # the spacing that is offered does
     else:
         place = int(rng.integers(1, n + 1))
         road, refused = road.remove(place, *at)
@@ -106,7 +106,7 @@ def test_a_saved_platoon_has_the_identical_future(seed):
     assert ends[0] == ends[1]
 
 
-def test_a_join_that_lemma_1_does_not_cover_is_refused_with_a_gap_that_would_do():
+def test_a_join_that_lemma_1_does_not_cover_is_refused_with_a_spacing_that_would_do():
     for policy in Lemma1Policy:
         road = open_platoon(3, 4, sampling=Sampling(T, policy))
         apart = road.platoon.take_over(0, 0.0, 0.0, np.array([20.0, 20.0, 20.0]), np.full(4, 30.0), BEST_FIXED)
@@ -115,16 +115,16 @@ def test_a_join_that_lemma_1_does_not_cover_is_refused_with_a_gap_that_would_do(
         same, refused = road.insert(2, C.L + T * C.v_max, 30.0, 0, 0.0)
         assert same is road
         assert refused is not None and "would be accepted" in refused.sentence and road.platoon.now is before
-        road, again = road.insert(2, refused.gap, 30.0, 0, 0.0)
+        road, again = road.insert(2, refused.spacing, 30.0, 0, 0.0)
         assert again is None
         assert road.vehicles == (1, 2, 5, 3, 4)
-        np.testing.assert_allclose(road.platoon.now.s, [20, refused.gap, 20 - refused.gap, 20])
+        np.testing.assert_allclose(road.platoon.now.s, [20, refused.spacing, 20 - refused.spacing, 20])
 
 
-def test_no_gap_would_do_where_there_is_no_room():
+def test_no_spacing_would_do_where_there_is_no_room():
     road = open_platoon(3, 4)
     _, refused = road.insert(1, 5.5, 30.0, 0, 0.0)  # between two that are 12 m apart at most
-    assert refused is not None and "no spacing would be accepted" in refused.sentence and np.isnan(refused.gap)
+    assert refused is not None and "no spacing would be accepted" in refused.sentence and np.isnan(refused.spacing)
 
 
 @pytest.mark.parametrize(

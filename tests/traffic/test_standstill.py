@@ -23,8 +23,8 @@ BEARING = FIXED | {"bad_input": 2, "lemma1_policy": 2}
 
 
 def named(s, v) -> dict[str, float]:
-    gaps = {f"s[{i}]": gap for i, gap in enumerate(s, start=2)}
-    return gaps | {f"v[{i}]": speed for i, speed in enumerate(v, start=1)}
+    spacings = {f"s[{i}]": spacing for i, spacing in enumerate(s, start=2)}
+    return spacings | {f"v[{i}]": speed for i, speed in enumerate(v, start=1)}
 
 
 def controller_of(vehicles: int, old: bool = False, policy: Lemma1Policy = Lemma1Policy.ERROR) -> SampledController:
@@ -118,12 +118,12 @@ def test_the_fmus_stand_behind_a_standing_leader_and_drive_off(instances, contro
     """The leader's wave goes down to 0 m/s; the platoon told its speed stands there, and goes again."""
     controller, plant, leader = instances(controller_fmu), instances(plant_fmu), instances(leader_fmu)
     s, v = random_start(2)
-    starts = {f"s_start[{i}]": gap for i, gap in enumerate(s, start=2)}
+    starts = {f"s_start[{i}]": spacing for i, spacing in enumerate(s, start=2)}
     starts |= {f"v_start[{i}]": speed for i, speed in enumerate(v, start=1)}
     assert leader.initialise({"v_low": 0.0, "begin": 0.0, "period": 40.0}) == OK
     assert plant.initialise(starts) == OK and controller.initialise(FIXED | named(s, v)) == OK
     time = 0.0
-    speeds, gaps = [], []
+    speeds, spacings = [], []
 
     def go(seconds: float, desired: float | None) -> None:
         nonlocal time
@@ -136,7 +136,7 @@ def test_the_fmus_stand_behind_a_standing_leader_and_drive_off(instances, contro
                 assert instance.step(time, T) == OK
             time += T
             speeds.append(plant.group("v"))
-            gaps.append(plant.group("s"))
+            spacings.append(plant.group("s"))
 
     go(20.0, None)
     assert leader.get("v")[0] < 0.01
@@ -146,7 +146,7 @@ def test_the_fmus_stand_behind_a_standing_leader_and_drive_off(instances, contro
     np.testing.assert_allclose(plant.group("x"), standing, rtol=0, atol=1e-3)
     assert controller.get("input_ok", "input_faults") == [1.0, 0.0]
     go(10.0, 20.0)
-    assert np.min(speeds) >= 0.0 and np.min(gaps) > L and np.min(speeds[-1]) > 15.0
+    assert np.min(speeds) >= 0.0 and np.min(spacings) > L and np.min(speeds[-1]) > 15.0
 
 
 SMALL = [1e-18, 1e-15, 1e-12, 1e-9, 1e-7]
@@ -219,7 +219,7 @@ def test_more_than_rounding_is_refused_with_a_remedy_that_fits_until_it_is_good_
         )
 
 
-def test_under_policy_1_a_gap_of_L_is_refused_as_a_gap(instances, controller_fmu):
+def test_under_policy_1_a_spacing_of_L_is_refused_as_a_spacing(instances, controller_fmu):
     s, v = random_start(8)
     s[2] = L - 1e-12
     controller = instances(controller_fmu)
@@ -227,7 +227,7 @@ def test_under_policy_1_a_gap_of_L_is_refused_as_a_gap(instances, controller_fmu
     assert "the measured spacing s[4] = 4.99999999999" in controller.messages[-1][1]
 
 
-def test_a_gap_that_lemma_1_does_not_cover_is_named_with_the_gap_it_needs(instances, controller_fmu):
+def test_a_spacing_that_lemma_1_does_not_cover_is_named_with_the_spacing_it_needs(instances, controller_fmu):
     s, v = random_start(8)
     s[2] = 5.3
     controller = instances(controller_fmu)

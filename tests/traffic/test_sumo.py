@@ -16,7 +16,7 @@ from psp_model import PlatoonState, PotentialParameters, StartDomain, simulate
 from psp_model.vehicles.leader import Profile
 from psp_traffic.controller_fmu import ControllerFmu, Fleet, Platoon
 from psp_traffic.driver import Driver, controllers, sumo_drivers
-from psp_traffic.measures import Measures, contact, gaps, measure
+from psp_traffic.measures import Measures, contact, measure, spacings
 from psp_traffic.results import Results
 from psp_traffic.scale import SIZE, cost
 from psp_traffic.scenario import STOP_AND_GO, Scenario, highway, highway_apart, on_profile, ramp, stop_and_go
@@ -104,7 +104,7 @@ def test_vehicles_from_the_ramp_join_the_platoon_and_nobody_collides(fmu):
     assert record.on_road[0].sum() == 5 and record.on_road[-1].all()
     assert record.reports["choices"] >= 2 and record.reports["input_faults"] == 0
     measures = measure(record, scenario)
-    assert measures.collisions == 0 and measures.gap_min > 0
+    assert measures.collisions == 0 and measures.clearance_min > 0
 
 
 def test_a_leader_drives_its_own_speed_whoever_follows(fmu):
@@ -191,7 +191,7 @@ def test_a_delay_of_half_a_second_is_felt(native_controller_fmu):
     plain, late = drive(scenario, v_new(fmu)), drive(scenario, v_new(fmu), disturbance=Disturbance(delay=0.5))
     assert measure(late, scenario).a_rms > measure(plain, scenario).a_rms
     lazy = drive(scenario, v_new(fmu), disturbance=Disturbance(lag=0.5))
-    assert measure(lazy, scenario).gap_min != measure(plain, scenario).gap_min
+    assert measure(lazy, scenario).clearance_min != measure(plain, scenario).clearance_min
 
 
 def test_measures_of_a_run_made_by_hand():
@@ -201,19 +201,19 @@ def test_measures_of_a_run_made_by_hand():
     v = np.tile([20.0, 22.0], (200, 1))
     record = Record(time, x, v, np.ones_like(x, dtype=bool), np.array([10.0, 12.0]), np.ones(2), {})
     scenario = Scenario("by hand", np.array([25.0]), np.array([20.0, 22.0]), v_star=21.0)
-    s, closing, pairs = gaps(record)
+    s, closing, pairs = spacings(record)
     np.testing.assert_allclose(s[:, 0], np.abs(25.0 - 2 * time))
     np.testing.assert_allclose(closing[:120], 2.0)
     assert (pairs == [0, 1]).all()
     measures = measure(record, scenario)
     assert measures.collisions == 1 and np.isinf(measures.settling)
     assert contact(record) == pytest.approx(10.0)
-    assert measures.gap_min == 0.0
+    assert measures.clearance_min == 0.0
     np.testing.assert_allclose(measures.ttc_min, 0.1, atol=1e-6)
     np.testing.assert_allclose(measures.co2, 22.0 / (1e-3 * (20.0 + 22.0) * 19.9))
     apart = measure(replace(record, x=x + np.array([100.0, 0.0])), scenario)
     assert apart.collisions == 0
-    np.testing.assert_allclose(apart.gap_min, 120.0 - 2 * 19.9)
+    np.testing.assert_allclose(apart.clearance_min, 120.0 - 2 * 19.9)
 
 
 def test_nobody_brakes_hard_only_because_he_starts_fast():
@@ -259,7 +259,7 @@ def test_the_command_line_keeps_its_runs_and_goes_on_from_them(native_controller
         (("profile", "--profile", "none.csv"), "none.csv cannot be read"),
         (("profile", "--profile", "own.csv"), "lasts 4000 s, more than 3600 s"),
         (("ramp", "--sweep"), "ramp is not swept"),
-        (("--plot", "gaps.png"), "--plot draws one situation"),
+        (("--plot", "spacings.png"), "--plot draws one situation"),
         (("ramp", "--fmu", "none.fmu"), "none.fmu does not exist"),
     ],
 )
@@ -276,8 +276,8 @@ def test_a_sweep_ends_each_run_at_the_first_contact(native_controller_fmu):
     runs = Results()
     found = sweep(starts, fmu, runs, delays=(0.0, 0.5), lags=(0.0, 0.8))
     kind, bad = found["V_new", 0.0, 0.0], found["V_old", 0.5, 0.8]
-    assert (kind.collided, kind.violated, kind.first) == (0, 0, np.inf) and kind.gap_min > 1
-    assert (bad.collided, bad.gap_min) == (1, 0.0) and bad.first < 3
+    assert (kind.collided, kind.violated, kind.first) == (0, 0, np.inf) and kind.clearance_min > 1
+    assert (bad.collided, bad.clearance_min) == (1, 0.0) and bad.first < 3
     assert of_sweep(runs.runs, "highway") == found
     lines = sweep_text(found).splitlines()
     assert "| **0.5 s** |" in "\n".join(lines) and sum("1 of 1" in line for line in lines) >= 1
@@ -285,7 +285,7 @@ def test_a_sweep_ends_each_run_at_the_first_contact(native_controller_fmu):
 
 def test_several_starts_become_one_row():
     good = Measures(0, 2.0, 3.0, 1.0, 0.5, 1.0, 0.5, 5000.0, 20.0, 4.0, np.nan, 150.0, 50.0)
-    bad = replace(good, collisions=2, gap_min=0.0, capacity=1000.0, settling=np.inf)
+    bad = replace(good, collisions=2, clearance_min=0.0, capacity=1000.0, settling=np.inf)
     (row,) = table({"V_new": [good, bad]}).splitlines()[2:]
     assert row.startswith("| V_new | 2 (in 1 of 2) | 1.00 (0.00) | 3.00 (3.00) |")
     assert "| 3000 (1000) |" in row and "| 4.0 (never) | - |" in row
@@ -304,13 +304,13 @@ def test_the_map_of_a_sweep_says_what_happened_in_each_field():
     assert lines[-1] == f"Without delay: {told}. With delay: contacts 0 in 0 runs, without a violation before 0."
 
 
-def test_the_picture_of_a_run_shows_free_gaps_and_ends_at_the_contact(native_controller_fmu):
+def test_the_picture_of_a_run_shows_free_spacings_and_ends_at_the_contact(native_controller_fmu):
     scenario = stop_and_go(duration=3.0)
     record = drive(scenario, controllers(native_controller_fmu.path, led=True)[0])
     touching = replace(record, x=record.x + np.where(record.time >= 2.0, 10.0, 0.0)[:, None] * (np.arange(7) == 6))
     figure = draw_following({"free": record, "touching": touching}, 3.0, "by hand", "psp sumo")
-    gap = figure.axes[0].lines[5]
-    np.testing.assert_allclose(gap.get_ydata(), record.x[:, 5] - record.x[:, 6] - 5.0)
+    spacing = figure.axes[0].lines[5]
+    np.testing.assert_allclose(spacing.get_ydata(), record.x[:, 5] - record.x[:, 6] - 5.0)
     assert [text.get_text() for text in figure.axes[2].texts] == ["contact at 2.0 s"]
     assert not figure.axes[0].texts and len(figure.axes[1].lines) == 7
 

@@ -26,8 +26,8 @@ def told_by(name: str, start: float, pattern: str, count: int):
 
 def inputs(k: int) -> dict[str, float]:
     s, v = MEASURED[k % len(MEASURED)]
-    gaps = {f"s[{i}]": gap for i, gap in enumerate(s, start=2)}
-    return gaps | {f"v[{i}]": speed for i, speed in enumerate(v, start=1)}
+    spacings = {f"s[{i}]": spacing for i, spacing in enumerate(s, start=2)}
+    return spacings | {f"v[{i}]": speed for i, speed in enumerate(v, start=1)}
 
 
 @pytest.mark.parametrize("start", STARTS)

@@ -83,8 +83,8 @@ def test_scrubbing_shows_the_runs_at_that_time(report, cases, moment):
     for k, case in enumerate(cases):
         run = case.run
         row = int(np.argmin(np.abs(run.time - moment)))
-        gap, push = number(text(report, f"#now-{k}-gap")), number(text(report, f"#now-{k}-acceleration"))
-        assert gap == pytest.approx(run.s[row].min(), abs=THINNING * np.ptp(run.s) + 0.006)
+        spacing, push = number(text(report, f"#now-{k}-gap")), number(text(report, f"#now-{k}-acceleration"))
+        assert spacing == pytest.approx(run.s[row].min(), abs=THINNING * np.ptp(run.s) + 0.006)
         assert push == pytest.approx(np.abs(run.a[row]).max(), abs=THINNING * np.ptp(run.a) + 0.006)
         assert number(text(report, f"#now-{k}-T_max")) == pytest.approx(run.T_max[row], rel=0.01, abs=6e-5)
 
@@ -179,7 +179,7 @@ def test_a_hundred_vehicles_stay_usable(tmp_path):
     with browser() as driver:
         driver.get(path.as_uri())
         eventually(lambda: driver.execute_script("return document.documentElement.dataset.ready") == "yes")
-        assert driver.execute_script("return psp.data.runs[0].gap.y.length") == 99
+        assert driver.execute_script("return psp.data.runs[0].spacing.y.length") == 99
         driver.execute_script("psp.plots.plots.forEach((plot) => psp.plots.draw(plot))")
         driver.find_element("id", "play").click()
         eventually(lambda: text(driver, "#clock") == "5.00 s")

@@ -16,8 +16,8 @@ def start(seed: int) -> PlatoonState:
 
 def limits(s, v, a, c):
     """Every bound of Lemma 1 with who sets it, one by one."""
-    for i, gap in enumerate(s, start=2):
-        yield (gap - c.L) / c.v_max, i, 0
+    for i, spacing in enumerate(s, start=2):
+        yield (spacing - c.L) / c.v_max, i, 0
     for i, (speed, push) in enumerate(zip(v, a, strict=True), start=1):
         if push > 0:
             yield (c.v_max - speed) / push, i, 1

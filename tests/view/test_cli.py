@@ -135,7 +135,7 @@ vehicles = 3
 duration = "2 s"
 
 [start]
-gaps = [9.5, "1100 cm"]
+spacings = [9.5, "1100 cm"]
 speeds = ["108 km/h", 31.0, 29]
 
 [set]
@@ -173,8 +173,8 @@ def test_a_scenario_is_read_in_si_units(tmp_path):
         ("vehicles = 3", "vehicles = ", 1, "not TOML"),
         ('"2 s"', '"2 m"', 2, "does not fit"),
         ('"2 s"', "true", 2, "duration"),
-        ("gaps = [9.5,", "gaps = [9.5, 9.5,", 4, "3 gaps do not fit 3 vehicles"),
-        ("gaps = ", "gap = ", 5, "no such key"),
+        ("spacings = [9.5,", "spacings = [9.5, 9.5,", 4, "3 spacings do not fit 3 vehicles"),
+        ("spacings = ", "spacing = ", 5, "no such key"),
         ("potential = 2", "potentail = 2", 9, "did you mean potential"),
         ('name = "gentle"', 'nam = "gentle"', 12, "runs.0.name"),
         ('T = "20 ms"', 'T = "20 kg"', 19, "does not fit"),

@@ -34,7 +34,7 @@ def start(seed: int, vehicles: int = 7) -> PlatoonState:
 
 @pytest.fixture(scope="module")
 def runs():
-    """Gaps of V_old and V_new from the same starts, V_new's after two minutes: it is slow where it has little slope."""
+    """Runs of V_old and V_new from the same starts, V_new's after two minutes: it is slow where it has little slope."""
     starts = [start(seed) for seed in range(5)]
     return {
         shape: np.concatenate([simulate(one, shape, duration=time, output_step=time).s[-1] for one in starts])
@@ -87,14 +87,14 @@ def test_without_a_minimum_there_is_no_hill_to_point_at():
     assert hill(PotentialParameters(0.1, 10.0, 5.0), PAPER) is None  # the base falls faster than the hill rises
 
 
-def test_gaps_go_to_lambda_with_v_old(runs):
-    """Paper, scenario 1: gaps converge towards lambda = 20 m (and, by its remark 1, not below)."""
+def test_spacings_go_to_lambda_with_v_old(runs):
+    """Paper, scenario 1: spacings converge towards lambda = 20 m (and, by its remark 1, not below)."""
     assert runs[V_OLD].min() > PAPER.lam - 0.05
     assert np.median(runs[V_OLD]) < PAPER.lam + 2.0
 
 
-def test_gaps_go_to_the_hill_with_v_new(runs):
-    """Paper, scenario 2: gaps converge to the local minimum; those that start beyond the crest cannot."""
+def test_spacings_go_to_the_hill_with_v_new(runs):
+    """Paper, scenario 2: spacings converge to the local minimum; those that start beyond the crest cannot."""
     minimum, crest = hill(BEST_FIXED, PAPER)
     at_minimum = np.abs(runs[BEST_FIXED] - minimum) < 0.05
     assert (at_minimum | (runs[BEST_FIXED] > crest)).all()
@@ -107,7 +107,7 @@ def test_accelerations_are_far_smaller_with_v_new():
     assert old > 100.0 and new < 10.0
 
 
-def test_the_moving_frame_and_closing_speeds_are_consistent_with_the_gaps():
+def test_the_moving_frame_and_closing_speeds_are_consistent_with_the_spacings():
     run = simulate(start(1), BEST_FIXED, duration=2.0)
     places = moving_frame(run, 30.0)
     np.testing.assert_allclose(places[:, :-1] - places[:, 1:], run.s, atol=1e-9)

@@ -99,7 +99,7 @@ def test_other_inputs_and_other_results_have_other_hashes(cases, page):
 
 def test_lines_on_the_page_are_the_runs_within_the_bound(cases, page):
     for case, drawn in zip(cases, packed(page)["runs"], strict=True):
-        for field, table in (("gap", case.run.s), ("acceleration", case.run.a), ("speed", case.run.v)):
+        for field, table in (("spacing", case.run.s), ("acceleration", case.run.a), ("speed", case.run.v)):
             lines = np.array(drawn[field]["y"]).T
             back = np.column_stack([np.interp(case.run.time, drawn[field]["t"], line) for line in lines.T])
             assert np.abs(back - table).max() <= 6e-4 * np.ptp(table)
@@ -129,7 +129,7 @@ def test_a_film_has_a_frame_per_time_and_drawn_vehicles_do_not_touch(cases, tmp_
     write_film(short, path)
     film = Image.open(path)
     assert film.n_frames == len(frame_times(0.4)) == 7
-    corners = bodies(np.array([10.0, 4.9]), 0.84 * 5.0)  # gaps above L
+    corners = bodies(np.array([10.0, 4.9]), 0.84 * 5.0)  # spacings above L
     assert corners[0][0][0] > corners[1][1][0]
 
 

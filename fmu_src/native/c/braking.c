@@ -80,6 +80,18 @@ static bool can_be_passed_over(const Pair *pair, const Look *from, const Look *t
     return bound > least + ROUNDING || bound == BRAKE_MARGIN_MOST;
 }
 
+/* Whether the one behind brakes as hard and as soon as the one ahead and is hardly faster, so that they never meet: while both
+ * drive the acceleration of the one behind exceeds the other's only by what is left of that by which it did so first, hence
+ * its speed by no more than `faster`. */
+static bool never_meet(const Pair *pair)
+{
+    const Vehicle *one = &pair->ahead, *other = &pair->behind;
+    const double sooner = fmax(other->a - one->a, 0.0) * (other->dead_time + other->lag);
+    const double faster = fmax(other->v - one->v, 0.0) + sooner;
+    return !pair->foreign && other->a_min <= one->a_min && other->lag <= one->lag && other->a_min <= other->a &&
+           one->a_min <= one->a && faster * pair->until < (1.0 - ROUNDING) * pair->clearance - ROUNDING;
+}
+
 /* The least of the bounds at the instants between two, and of `least`. */
 static double least_between(const Pair *pair, const Look *from, const Look *to, double least)
 {
@@ -105,6 +117,7 @@ double brake_margin(int n, const double *clearance, const Braking *vehicles, con
         if (!counted || behind_is_foreign) continue;
         pair.clearance = clearance[i - 1];
         pair.until = pair.behind.dead_time + pair.behind.braked;
+        if (never_meet(&pair)) continue;
         const Look start = {0, 0.0, -pair.clearance, 0.0}, end = look(&pair, INSTANTS);
         least = fmin(least, bound_at(&pair, &end));
         least = least_between(&pair, &start, &end, least);

@@ -14,12 +14,12 @@ static inline double room(const Constants *constants, const Cooperation *coopera
 double lemma1_period(const Constants *constants, const Cooperation *cooperation, bool driven, int n, const double *s,
                      const double *v, const double *a)
 {
-    double least = INFINITY; /* the smallest gap sets the least of the gaps' bounds */
+    double least = INFINITY; /* the smallest spacing sets the least of the spacings' bounds */
     for (int i = 0; i < n - 1; i++) least = smaller(least, room(constants, cooperation, i, s[i]));
-    return with_speeds(psp_gap_bound(least, constants->L, constants->v_max), constants->v_max, driven, n, v, a);
+    return with_speeds(psp_spacing_period(least, constants->L, constants->v_max), constants->v_max, driven, n, v, a);
 }
 
-/* Most gaps do not set it: what closes one by then is at most the speed and the acceleration that close it, without those
+/* Most spacings do not set it: what closes one by then is at most the speed and the acceleration that close it, without those
  * that open it, and that is computed without root and quotient. */
 static inline double exact_of(const Constants *constants, const Cooperation *cooperation, bool driven, int n,
                               const double *s, const double *v, const double *a)

@@ -36,9 +36,9 @@ bool check_start(Front *front, int n, double x, const double *s, const double *v
     if (!finite_or_log(front, "x_start", x, "m")) return false;
     for (int i = 0; i < n - 1; i++) {
         if (!finite_element(front, "s_start", i + 2, s[i], "m")) return false;
-        REQUIRE(s[i] > 0.0, PSP_SENTENCE_gap_order, i + 2, s[i], i + 2, i + 1);
-        if (!length || length[i] == L) REQUIRE(s[i] > L, PSP_SENTENCE_gap, i + 2, s[i], L);
-        else REQUIRE(s[i] > length[i], PSP_SENTENCE_gap_length, i + 2, s[i], i + 1, length[i]);
+        REQUIRE(s[i] > 0.0, PSP_SENTENCE_spacing_order, i + 2, s[i], i + 2, i + 1);
+        if (!length || length[i] == L) REQUIRE(s[i] > L, PSP_SENTENCE_spacing, i + 2, s[i], L);
+        else REQUIRE(s[i] > length[i], PSP_SENTENCE_spacing_length, i + 2, s[i], i + 1, length[i]);
     }
     for (int i = 0; i < n; i++) {
         if (!finite_element(front, "v_start", i + 1, v[i], "m/s")) return false;

@@ -27,14 +27,14 @@ static double rollout_cost(Search *search, const Shape *candidate)
     double fraction;
     const double periods = fmax(locate(start->horizon, search->T, &fraction), 1.0);
     at->n = start->n;
-    at->x = at->cost_acceleration = at->cost_gaps = 0.0;
+    at->x = at->cost_acceleration = at->cost_spacings = 0.0;
     memcpy(at->s, start->s, (size_t)(start->n - 1) * sizeof *at->s);
     memcpy(at->v, start->v, (size_t)start->n * sizeof *at->v);
     for (double k = 0.0; k < periods; k += 1.0) {
         if (!(feedback(search->constants, candidate, start->n, at->s, at->v, at->a) > search->T)) return INFINITY;
         pass_time(search->weights, at, search->T);
     }
-    return at->cost_acceleration + at->cost_gaps;
+    return at->cost_acceleration + at->cost_spacings;
 }
 
 /* Projects `tried` and makes it the best if it is certified and its J is smaller. */

@@ -130,10 +130,10 @@ static const Command *shown(Backend *backend)
 static void put_basis(const Command *command, double *outputs)
 {
     const Basis *basis = &command->basis;
-    const size_t n = (size_t)command->n, gaps = n > 0 ? n - 1 : 0, one = sizeof(double);
+    const size_t n = (size_t)command->n, spacings = n > 0 ? n - 1 : 0, one = sizeof(double);
     double *const s = outputs + AT(PSP_s_predicted), *const v = outputs + AT(PSP_v_predicted);
-    memcpy(s, basis->as_measured ? basis->s : basis->s_predicted, gaps * one);
-    memset(s + gaps, 0, (PSP_N - 1 - gaps) * one);
+    memcpy(s, basis->as_measured ? basis->s : basis->s_predicted, spacings * one);
+    memset(s + spacings, 0, (PSP_N - 1 - spacings) * one);
     memcpy(v, basis->as_measured ? basis->v : basis->v_predicted, n * one);
     memset(v + n, 0, (PSP_N - n) * one);
 }

@@ -30,13 +30,13 @@ static bool not_finite(char *text, const char *name, int vehicle, double value, 
     return refuse(text, PSP_SENTENCE_finite, indexed, printable(value), unit);
 }
 
-static bool bad_gap(const Settings *settings, char *text, int vehicle, double gap)
+static bool bad_spacing(const Settings *settings, char *text, int vehicle, double spacing)
 {
     const double L = settings->constants.L, ahead = settings->cooperation.length[vehicle - 2];
-    if (!isfinite(gap)) return not_finite(text, "s", vehicle, gap, "m");
-    if (gap <= 0.0) return refuse(text, PSP_SENTENCE_measured_order, vehicle, gap, vehicle, vehicle - 1);
-    if (ahead != L) return refuse(text, PSP_SENTENCE_measured_clearance, vehicle, gap, vehicle - 1, ahead);
-    return refuse(text, PSP_SENTENCE_measured_gap, vehicle, gap, L);
+    if (!isfinite(spacing)) return not_finite(text, "s", vehicle, spacing, "m");
+    if (spacing <= 0.0) return refuse(text, PSP_SENTENCE_measured_order, vehicle, spacing, vehicle, vehicle - 1);
+    if (ahead != L) return refuse(text, PSP_SENTENCE_measured_clearance, vehicle, spacing, vehicle - 1, ahead);
+    return refuse(text, PSP_SENTENCE_measured_spacing, vehicle, spacing, L);
 }
 
 static bool bad_speed(char *text, int vehicle, double speed, double v_max)
@@ -48,15 +48,15 @@ static bool bad_speed(char *text, int vehicle, double speed, double v_max)
 
 static double clipped(double value, double low, double high) { return fmin(fmax(value, low), high); }
 
-/* Takes gaps and speeds of n vehicles, those that miss the state space by rounding as its bounds.  Under policy 1, which asks
- * for gaps above L + v_max T, a gap of L or less is refused all the same.  With lengths, L is where vehicles touch. */
+/* Takes spacings and speeds of n vehicles, those that miss the state space by rounding as its bounds.  Under policy 1, which asks
+ * for spacings above L + v_max T, a spacing of L or less is refused all the same.  With lengths, L is where vehicles touch. */
 static bool take_motion(const Settings *settings, int n, const Measurement *measured, Basis *basis, char *text)
 {
     const double L = settings->constants.L, v_max = settings->constants.v_max, above_L = nextafter(L, INFINITY);
     const double least = settings->policy == POLICY_ERROR ? above_L : L - ROUNDING * L;
     for (int i = 0; i < n - 1; i++) {
         const double s = measured->s[i], contact = psp_contact_spacing(s, settings->cooperation.length[i], L);
-        if (!(contact >= least && s > 0.0 && s < INFINITY)) return bad_gap(settings, text, i + 2, s);
+        if (!(contact >= least && s > 0.0 && s < INFINITY)) return bad_spacing(settings, text, i + 2, s);
         basis->s[i] = contact >= above_L ? s : s + (above_L - contact);
     }
     for (int i = 0; i < n; i++) {

@@ -47,15 +47,15 @@ static void log_violation(const Settings *settings, Front *front, double time, c
     const double horizon = basis->age + settings->actuation.actuation_delay;
     const double error_s = errors_carried(&settings->errors, horizon).error_s;
     const char *kind = settings->predicts ? "predicted" : "measured";
-    const int gaps = (int)now->n - 1;
+    const int spacings = (int)now->n - 1;
     int i = 0;
-    model_spacing(c, &settings->cooperation, gaps + 1, shown, basis->as_measured ? basis->v : basis->v_predicted,
+    model_spacing(c, &settings->cooperation, spacings + 1, shown, basis->as_measured ? basis->v : basis->v_predicted,
                   work->spacing);
-    for (int k = 1; k < gaps; k++) {
+    for (int k = 1; k < spacings; k++) {
         if (s[k] < s[i]) i = k;
     }
-    if (gaps > 0 && fmax(s[i] - error_s - c->L, 0.0) / c->v_max <= T_max)
-        front_log(front, status, PSP_SENTENCE_lemma1_controller_gap, T, T_max, time, kind, i + 2, shown[i],
+    if (spacings > 0 && fmax(s[i] - error_s - c->L, 0.0) / c->v_max <= T_max)
+        front_log(front, status, PSP_SENTENCE_lemma1_controller_spacing, T, T_max, time, kind, i + 2, shown[i],
                   c->L + c->v_max * T + (shown[i] - s[i] + error_s), T_max);
     else front_log(front, status, PSP_SENTENCE_lemma1_controller, T, T_max, time, kind, T_max);
 }

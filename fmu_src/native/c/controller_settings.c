@@ -159,7 +159,7 @@ bool read_settings(Front *front, const double *read, Settings *settings)
     const Cooperation *law = &settings->cooperation;
     settings->plain = !settings->predicts && settings->errors.error_s == 0.0 && settings->errors.error_v == 0.0 &&
                       law->kappa == 0.0 && law->closing_speed == 0.0 && law->following == FOLLOW_NEAREST &&
-                      gaps_are_model_spacings(&settings->constants, law, PSP_N);
+                      spacings_are_model_spacings(&settings->constants, law, PSP_N);
     return settings->request.old || require_feasible(front, &settings->request.fixed, &settings->constants);
 }
 

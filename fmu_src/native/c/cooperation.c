@@ -16,7 +16,7 @@ void papers_law(Cooperation *cooperation, const Constants *constants)
     for (int i = 0; i < PSP_N; i++) cooperation->length[i] = constants->L;
 }
 
-bool gaps_are_model_spacings(const Constants *constants, const Cooperation *cooperation, int n)
+bool spacings_are_model_spacings(const Constants *constants, const Cooperation *cooperation, int n)
 {
     if (cooperation->time_gap != 0.0) return false;
     for (int i = 0; i < n - 1; i++) {
@@ -35,7 +35,7 @@ void clearances(const Constants *constants, const Cooperation *cooperation, int 
     for (int i = 0; i < n - 1; i++) clearance[i] = psp_clearance(s[i], cooperation->length[i], constants->L);
 }
 
-/* Of the vehicle at index `i` + 1, from the gap in front of it and its speed. */
+/* Of the vehicle at index `i` + 1, from the spacing in front of it and its speed. */
 static inline double model_spacing_of(const Constants *constants, const Cooperation *cooperation, int i, double s, double v)
 {
     return cooperation->time_gap == 0.0
@@ -96,7 +96,7 @@ void cooperative_command(const Constants *constants, const Shape *shape, const C
     const Shape h = *shape;
     const double kappa = cooperation->kappa, reach = cooperation->kappa_reach;
     const bool one_aim = have_one_aim(cooperation, traffic), free = one_aim && traffic->v_desired < 0.0;
-    if (one_aim && kappa == 0.0 && gaps_are_model_spacings(constants, cooperation, n)) {
+    if (one_aim && kappa == 0.0 && spacings_are_model_spacings(constants, cooperation, n)) {
         if (free) feedback(constants, shape, n, s, v, a);
         else feedback_towards(constants, shape, n, s, v, traffic->v_desired, a);
         return;

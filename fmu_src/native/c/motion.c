@@ -11,16 +11,16 @@
 #include "speeds.h"
 
 /* `v_desired` below 0 stands for v_star. */
-static inline double feedback_of(const Constants *constants, const Shape *shape, int n, const double *restrict gaps,
+static inline double feedback_of(const Constants *constants, const Shape *shape, int n, const double *restrict spacings,
                                  const double *restrict v, double v_desired, double *restrict a)
 {
     const Constants c = *constants;
     const Shape h = *shape;
-    double slope_in_front = 0.0, least = INFINITY; /* the smallest gap sets the least of the gaps' bounds */
+    double slope_in_front = 0.0, least = INFINITY; /* the smallest spacing sets the least of the spacings' bounds */
     for (int i = 0; i < n; i++) {
         double slope_behind = 0.0;
         if (i < n - 1) {
-            const double s = gaps[i];
+            const double s = spacings[i];
             slope_behind = slope_at(&c, &h, s);
             least = smaller(least, s);
         }
@@ -29,7 +29,7 @@ static inline double feedback_of(const Constants *constants, const Shape *shape,
                                : psp_command_towards(u, v[i], v_desired, c.v_max, c.epsilon, c.mu);
         slope_in_front = slope_behind;
     }
-    return with_speeds(psp_gap_bound(least, c.L, c.v_max), c.v_max, 0, n, v, a);
+    return with_speeds(psp_spacing_period(least, c.L, c.v_max), c.v_max, 0, n, v, a);
 }
 
 double feedback(const Constants *constants, const Shape *shape, int n, const double *s, const double *v, double *a)
@@ -48,26 +48,26 @@ double largest_period(const Constants *constants, int n, const double *s, const 
 {
     double least = INFINITY;
     for (int i = 0; i < n - 1; i++) least = smaller(least, s[i]);
-    return with_speeds(psp_gap_bound(least, constants->L, constants->v_max), constants->v_max, 0, n, v, a);
+    return with_speeds(psp_spacing_period(least, constants->L, constants->v_max), constants->v_max, 0, n, v, a);
 }
 
 static inline void pass_time_of(const Weights *weights, int n, Instant *at, double tau)
 {
     const Weights w = *weights;
     const double dv = at->v[0] - at->v[n - 1], da = at->a[0] - at->a[n - 1];
-    double moved_front = psp_travelled(at->v[0], at->a[0], tau), gaps = 0.0, squares = at->a[0] * at->a[0];
+    double moved_front = psp_travelled(at->v[0], at->a[0], tau), spacings = 0.0, squares = at->a[0] * at->a[0];
     at->x += moved_front;
     at->v[0] = psp_speed_after(at->v[0], at->a[0], tau);
     for (int i = 1; i < n; i++) {
         const double v = at->v[i], a = at->a[i], s = at->s[i - 1], moved = psp_travelled(v, a, tau);
-        gaps += s;
+        spacings += s;
         squares += a * a;
-        at->s[i - 1] = psp_gap_after(s, moved_front, moved);
+        at->s[i - 1] = psp_spacing_after(s, moved_front, moved);
         at->v[i] = psp_speed_after(v, a, tau);
         moved_front = moved;
     }
     at->cost_acceleration += psp_acceleration_cost(squares, tau, w.w1, w.a_ref);
-    at->cost_gaps += psp_gap_cost(gaps, dv, da, tau, w.w2, w.s_ref);
+    at->cost_spacings += psp_spacing_cost(spacings, dv, da, tau, w.w2, w.s_ref);
 }
 
 void pass_time(const Weights *weights, Instant *at, double tau)

@@ -30,12 +30,12 @@ static const float *run(const PspLayer *layers, int count, float buffer[2][PSP_W
     return buffer[count % 2];
 }
 
-/* What the layers shared by all gaps see of gap i: length, speed in front, speed behind and 1 of it and its neighbours;
+/* What the layers shared by all spacings see of spacing i: length, speed in front, speed behind and 1 of it and its neighbours;
  * zeros where the platoon has ended. */
-static void window(int radius, int gaps, int i, const double *s, const double *v, float *channels)
+static void window(int radius, int spacings, int i, const double *s, const double *v, float *channels)
 {
     for (int j = i - radius; j <= i + radius; j++, channels += 4) {
-        const bool there = j >= 0 && j < gaps;
+        const bool there = j >= 0 && j < spacings;
         channels[0] = there ? (float)s[j] : 0.0f;
         channels[1] = there ? (float)v[j] : 0.0f;
         channels[2] = there ? (float)v[j + 1] : 0.0f;
@@ -43,20 +43,20 @@ static void window(int radius, int gaps, int i, const double *s, const double *v
     }
 }
 
-/* Mean and maximum over the gaps of what the shared layers give, into `pooled`. */
-static void pool(const PspChain *chain, int gaps, const double *s, const double *v, float *pooled)
+/* Mean and maximum over the spacings of what the shared layers give, into `pooled`. */
+static void pool(const PspChain *chain, int spacings, const double *s, const double *v, float *pooled)
 {
     float buffer[2][PSP_WIDEST];
     const int width = chain->layers[chain->shared - 1].rows;
-    for (int i = 0; i < gaps; i++) {
-        window(chain->radius, gaps, i, s, v, buffer[0]);
+    for (int i = 0; i < spacings; i++) {
+        window(chain->radius, spacings, i, s, v, buffer[0]);
         const float *seen = run(chain->layers, chain->shared, buffer);
         for (int k = 0; k < width; k++) {
             pooled[k] = i == 0 ? seen[k] : pooled[k] + seen[k];
             pooled[width + k] = i == 0 || seen[k] > pooled[width + k] ? seen[k] : pooled[width + k];
         }
     }
-    for (int k = 0; k < width; k++) pooled[k] /= (float)gaps;
+    for (int k = 0; k < width; k++) pooled[k] /= (float)spacings;
 }
 
 static const float *answer(const PspChain *chain, int n, const double *s, const double *v, float buffer[2][PSP_WIDEST])

@@ -8,7 +8,7 @@
 static void move(Plant *plant, const double *moved)
 {
     plant->x += moved[0];
-    for (int i = 1; i < PSP_N; i++) plant->s[i - 1] = psp_gap_after(plant->s[i - 1], moved[i - 1], moved[i]);
+    for (int i = 1; i < PSP_N; i++) plant->s[i - 1] = psp_spacing_after(plant->s[i - 1], moved[i - 1], moved[i]);
 }
 
 /* One period of ideal vehicles. */

@@ -124,16 +124,16 @@ bool part_put_out(Backend *backend, double *outputs)
     outputs[AT(PSP_lemma1_ok)] = platoon->now.T_max > platoon->T ? 1.0 : 0.0;
     outputs[AT(PSP_certified)] = platoon->now.bound > platoon->T ? 1.0 : 0.0;
     outputs[AT(PSP_lemma1_violations)] = (double)platoon->now.violations;
-    outputs[AT(PSP_J)] = seen->cost_acceleration + seen->cost_gaps;
+    outputs[AT(PSP_J)] = seen->cost_acceleration + seen->cost_spacings;
     outputs[AT(PSP_J_acceleration)] = seen->cost_acceleration;
-    outputs[AT(PSP_J_gap)] = seen->cost_gaps;
+    outputs[AT(PSP_J_gap)] = seen->cost_spacings;
     memcpy(outputs + AT(PSP_n_active), &part->members.told, sizeof part->members.told);
     return true;
 }
 
 bool part_put_late(Backend *backend, fmi2ValueReference reference, double *output)
 {
-    (void)reference; /* T_exact is the only one */
+    (void)reference; /* there is one */
     const Platoon *platoon = &backend->model.part.platoon;
     const double T_exact = platoon->certificate == CERTIFICATE_EXACT ? platoon->now.bound : platoon_exact(platoon);
     *output = T_exact < LONGEST ? T_exact : LONGEST;

@@ -11,8 +11,8 @@
 static double smaller(double a, double b) { return b < a ? b : a; }
 
 /* With policy 2 a run may leave the model's domain, and the exact period may be met so closely that rounding does; Lemma 1
- * keeps every gap open otherwise. */
-static bool gaps_are_open(const Platoon *platoon, Front *front, fmi2Status status)
+ * keeps every spacing open otherwise. */
+static bool spacings_are_open(const Platoon *platoon, Front *front, fmi2Status status)
 {
     const Instant *now = &platoon->now;
     const double L = platoon->constants.L, *length = platoon->cooperation.length;
@@ -24,7 +24,7 @@ static bool gaps_are_open(const Platoon *platoon, Front *front, fmi2Status statu
     if (psp_contact_spacing(now->s[least], length[least], L) > L) return true;
     const double time = ((double)now->period + now->fraction) * platoon->T;
     if (length[least] == L)
-        front_log(front, status, PSP_SENTENCE_left_gap, least + 2, now->s[least], L, time);
+        front_log(front, status, PSP_SENTENCE_left_spacing, least + 2, now->s[least], L, time);
     else front_log(front, status, PSP_SENTENCE_left_length, least + 2, now->s[least], length[least], time);
     return false;
 }
@@ -33,7 +33,7 @@ bool platoon_sample(Platoon *platoon, Front *front, double since, fmi2Status sta
 {
     Instant *now = &platoon->now;
     const double T = platoon->T, last_bound = now->bound;
-    if (!gaps_are_open(platoon, front, status)) return false;
+    if (!spacings_are_open(platoon, front, status)) return false;
     if (platoon->papers) {
         now->T_max = feedback(&platoon->constants, &platoon->shape, (int)now->n, now->s, now->v, now->a);
         now->driven = 0;

@@ -29,17 +29,17 @@ static void motion_change(const Platoon *platoon, const double *seed, double *ch
     change[PSP_x] = seed[PSP_x_start];
     const int n = (int)platoon->now.n;
     for (int i = 0; i < n; i++) {
-        const int gap = i; /* the gap behind vehicle i + 1 */
+        const int spacing = i; /* the spacing behind vehicle i + 1 */
         double u = 0.0, du = 0.0;
         if (i > 0) {
             change[PSP_s + i - 1] = seed[PSP_s_start + i - 1];
             change[PSP_x + i] = change[PSP_x + i - 1] - change[PSP_s + i - 1];
-            u += slope(platoon, gap - 1);
-            du += slope_change(platoon, seed, gap - 1);
+            u += slope(platoon, spacing - 1);
+            du += slope_change(platoon, seed, spacing - 1);
         }
         if (i < n - 1) {
-            u -= slope(platoon, gap);
-            du -= slope_change(platoon, seed, gap);
+            u -= slope(platoon, spacing);
+            du -= slope_change(platoon, seed, spacing);
         }
         change[PSP_v + i] = seed[PSP_v_start + i];
         change[PSP_a + i] =
@@ -67,8 +67,8 @@ static double bound_change(const Platoon *platoon, const double *seed, const dou
     const Instant *now = &platoon->now;
     const double L = platoon->constants.L, v_max = platoon->constants.v_max;
     for (int i = 0; i < now->n - 1; i++) {
-        if (psp_gap_bound(now->s[i], L, v_max) == now->T_max)
-            return psp_gap_bound_tangent(now->s[i], L, v_max, seed[PSP_s_start + i], seed[PSP_L], seed[PSP_v_max]);
+        if (psp_spacing_period(now->s[i], L, v_max) == now->T_max)
+            return psp_spacing_period_tangent(now->s[i], L, v_max, seed[PSP_s_start + i], seed[PSP_L], seed[PSP_v_max]);
     }
     return speed_change(platoon, seed, change, now->T_max);
 }

@@ -67,7 +67,7 @@ void platoon_settle(Platoon *platoon)
 {
     const Cooperation *law = &platoon->cooperation;
     platoon->papers = !platoon->leader.driven && law->kappa == 0.0 && law->closing_speed == 0.0 &&
-                      gaps_are_model_spacings(&platoon->constants, law, (int)platoon->now.n);
+                      spacings_are_model_spacings(&platoon->constants, law, (int)platoon->now.n);
 }
 
 /* What closing up adds to the desired speeds, a time later. */

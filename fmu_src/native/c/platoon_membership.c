@@ -36,25 +36,25 @@ static void refuse(Told *told, double gap_offered)
     told->gap_offered = gap_offered;
 }
 
-/* The sentences of a refusal, by the verdict on the gap asked for: with a gap that would do, and without. */
+/* The sentences of a refusal, by the verdict on the spacing asked for: with a spacing that would do, and without. */
 static const char *refusal(const Platoon *platoon, Verdict verdict, bool offered)
 {
-    if (verdict == TOO_CLOSE) return offered ? PSP_SENTENCE_insert_gap_margin : PSP_SENTENCE_insert_none_margin;
+    if (verdict == TOO_CLOSE) return offered ? PSP_SENTENCE_insert_spacing_margin : PSP_SENTENCE_insert_none_margin;
     if (platoon->certificate == CERTIFICATE_EXACT)
-        return offered ? PSP_SENTENCE_insert_gap_exact : PSP_SENTENCE_insert_none_exact;
-    return offered ? PSP_SENTENCE_insert_gap : PSP_SENTENCE_insert_none;
+        return offered ? PSP_SENTENCE_insert_spacing_exact : PSP_SENTENCE_insert_none_exact;
+    return offered ? PSP_SENTENCE_insert_spacing : PSP_SENTENCE_insert_none;
 }
 
 static bool refuse_join(Work *work, Told *told, const Joining *asked, Verdict verdict)
 {
     const Platoon *platoon = &work->part->platoon;
     const int place = asked->place + 1;
-    const double gap = printable(asked->gap), limit = verdict == TOO_CLOSE ? platoon->join_brake_margin : platoon->T;
+    const double spacing = printable(asked->spacing), limit = verdict == TOO_CLOSE ? platoon->join_brake_margin : platoon->T;
     double offered;
-    if (!trial_find_gap(work, asked, &offered)) return false;
+    if (!trial_find_spacing(work, asked, &offered)) return false;
     const char *sentence = refusal(platoon, verdict, offered > 0.0);
-    if (offered > 0.0) front_log(work->front, fmi2Warning, sentence, place, gap, asked->speed, limit, offered);
-    else front_log(work->front, fmi2Warning, sentence, place, gap, asked->speed, limit);
+    if (offered > 0.0) front_log(work->front, fmi2Warning, sentence, place, spacing, asked->speed, limit, offered);
+    else front_log(work->front, fmi2Warning, sentence, place, spacing, asked->speed, limit);
     refuse(told, offered);
     return true;
 }

@@ -27,7 +27,7 @@ typedef struct {
 
 typedef Instant Scratch; /* outputs between two sampling instants: no room on a stack for many vehicles */
 
-/* platoon_membership.c: the members at the start, and whether they lie in the network's domain, with their gaps of which
+/* platoon_membership.c: the members at the start, and whether they lie in the network's domain, with their spacings of which
  * the lengths ahead are taken for L; the changes whose triggers have risen, at the communication point: false on failure,
  * which has been logged; a refusal is none. */
 void part_begin(Part *part, int n, const double *room);

@@ -47,7 +47,7 @@ static bool can_be_now(const Instant *now)
 {
     if (!(1 <= now->n && now->n <= PSP_N) || !is_time(now->period, now->fraction)) return false;
     if (!state_is_count((double)now->violations, 0.0) || !(0.0 < now->span && now->span <= 1.0)) return false;
-    if (!isfinite(now->x) || isnan(now->T_max) || !(now->cost_acceleration >= 0.0) || isnan(now->cost_gaps)) return false;
+    if (!isfinite(now->x) || isnan(now->T_max) || !(now->cost_acceleration >= 0.0) || isnan(now->cost_spacings)) return false;
     if (isnan(now->bound) || (now->driven != 0 && now->driven != 1)) return false;
     return are_finite(now->s, PSP_N - 1) && are_finite(now->v, PSP_N) && are_finite(now->a, PSP_N) &&
            are_finite(now->closing, PSP_N);

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { PROBES = 100, TRUSTED = 5 }; /* gaps tried for one that would do; how many with the potential chosen for them */
+enum { PROBES = 100, TRUSTED = 5 }; /* spacings tried for one that would do; how many with the potential chosen for them */
 
 /* The trial begins as the platoon at the time of the change; the verdict of an earlier sampling then is void. */
 static void begin_trial(Work *work)
@@ -32,7 +32,7 @@ bool trial_choose(Work *work)
     return choose_shape(work->front, &trial->constants, &trial->weights, trial->T, &work->request, &trial->shape);
 }
 
-/* The gaps of the trial with the lengths ahead taken for L; whether all exceed L. */
+/* The spacings of the trial with the lengths ahead taken for L; whether all exceed L. */
 static bool make_room(Work *work)
 {
     Platoon *trial = &work->trial;
@@ -55,16 +55,16 @@ static void put_in(double *values, int n, int place, double value)
 /* Puts the vehicle into the trial; whether no two vehicles then touch. */
 static bool arrange(Work *work, const Joining *joining)
 {
-    const int n = (int)work->seen.n, place = joining->place, gap = place > 0 ? place - 1 : 0;
+    const int n = (int)work->seen.n, place = joining->place, spacing = place > 0 ? place - 1 : 0;
     Instant *now = &work->trial.now;
     begin_trial(work);
     now->n = n + 1;
     if (place == 0) {
-        now->x += joining->gap;
+        now->x += joining->spacing;
         now->driven = 0; /* the first vehicle is another one */
     }
-    put_in(now->s, n - 1, gap, joining->gap);
-    if (0 < place && place < n) now->s[place] -= joining->gap;
+    put_in(now->s, n - 1, spacing, joining->spacing);
+    if (0 < place && place < n) now->s[place] -= joining->spacing;
     put_in(now->v, n, place, joining->speed);
     put_in(now->closing, n, place, 0.0);
     put_in(work->trial.cooperation.length, n, place, joining->length);
@@ -87,7 +87,7 @@ bool trial_join(Work *work, const Joining *joining, bool anew, Verdict *verdict)
 {
     Platoon *trial = &work->trial;
     *verdict = NOT_CERTIFIED;
-    if (!isfinite(joining->gap) || !arrange(work, joining)) return true;
+    if (!isfinite(joining->spacing) || !arrange(work, joining)) return true;
     if (anew && !trial_choose(work)) return false;
     trial->policy = POLICY_SHORTEN; /* looks, and never objects */
     platoon_sample(trial, work->front, work->since, fmi2Warning);
@@ -96,42 +96,42 @@ bool trial_join(Work *work, const Joining *joining, bool anew, Verdict *verdict)
     return true;
 }
 
-/* Gaps at which the vehicle might join, nearest to the one asked for first; how many there are. */
-static int gaps_to_try(const Work *work, const Joining *asked, double gaps[PROBES])
+/* Spacings at which the vehicle might join, nearest to the one asked for first; how many there are. */
+static int spacings_to_try(const Work *work, const Joining *asked, double spacings[PROBES])
 {
     const Platoon *platoon = &work->part->platoon;
     const Constants *c = &platoon->constants;
     const bool inside = 0 < asked->place && asked->place < work->seen.n;
     const double least = asked->place > 0 ? platoon->cooperation.length[asked->place - 1] : asked->length;
     const double most = inside ? work->seen.s[asked->place - 1] - asked->length : least + 5.0 * c->lam;
-    const double wanted = isfinite(asked->gap) ? asked->gap : c->lam, step = (most - least) / (PROBES + 1);
+    const double wanted = isfinite(asked->spacing) ? asked->spacing : c->lam, step = (most - least) / (PROBES + 1);
     if (!(most > least)) return 0;
     for (int k = 0; k < PROBES; k++) {
-        const double gap = (k + 1) * step + least;
+        const double spacing = (k + 1) * step + least;
         int at = k;
-        for (; at > 0 && fabs(gaps[at - 1] - wanted) > fabs(gap - wanted); at--) gaps[at] = gaps[at - 1];
-        gaps[at] = gap;
+        for (; at > 0 && fabs(spacings[at - 1] - wanted) > fabs(spacing - wanted); at--) spacings[at] = spacings[at - 1];
+        spacings[at] = spacing;
     }
     return PROBES;
 }
 
-bool trial_find_gap(Work *work, const Joining *asked, double *offered)
+bool trial_find_spacing(Work *work, const Joining *asked, double *offered)
 {
-    double gaps[PROBES];
-    const int count = gaps_to_try(work, asked, gaps);
+    double spacings[PROBES];
+    const int count = spacings_to_try(work, asked, spacings);
     Joining probe = *asked;
     Verdict verdict;
     int found = 0;
     *offered = 0.0;
     for (int k = 0; k < count && found < TRUSTED; k++) {
-        probe.gap = gaps[k];
+        probe.spacing = spacings[k];
         if (!trial_join(work, &probe, false, &verdict)) return false;
-        if (verdict == MAY_JOIN) gaps[found++] = gaps[k];
+        if (verdict == MAY_JOIN) spacings[found++] = spacings[k];
     }
     for (int k = 0; k < found && *offered == 0.0; k++) {
-        probe.gap = gaps[k];
+        probe.spacing = spacings[k];
         if (!trial_join(work, &probe, true, &verdict)) return false;
-        if (verdict == MAY_JOIN) *offered = probe.gap;
+        if (verdict == MAY_JOIN) *offered = probe.spacing;
     }
     return true;
 }
@@ -144,7 +144,7 @@ static void take_out(double *values, int n, int place)
 void trial_take_out(Work *work, int gone)
 {
     const Instant *seen = &work->seen;
-    const int n = (int)seen->n, gap = gone < n - 1 ? gone : n - 2; /* the one that goes */
+    const int n = (int)seen->n, spacing = gone < n - 1 ? gone : n - 2; /* the one that goes */
     Instant *now = &work->trial.now;
     double *length = work->trial.cooperation.length;
     begin_trial(work);
@@ -153,7 +153,7 @@ void trial_take_out(Work *work, int gone)
         now->x -= seen->s[0];
         now->driven = 0; /* the first vehicle is another one */
     } else if (gone < n - 1) now->s[gone - 1] = seen->s[gone - 1] + seen->s[gone];
-    take_out(now->s, n - 1, gap);
+    take_out(now->s, n - 1, spacing);
     take_out(now->v, n, gone);
     take_out(now->closing, n, gone);
     take_out(length, n, gone);

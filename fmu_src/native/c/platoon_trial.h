@@ -7,7 +7,7 @@
 /* A vehicle that wants to join behind the vehicle at `place`, 0: ahead of the leader. */
 typedef struct {
     int place;
-    double gap, speed, length;
+    double spacing, speed, length;
 } Joining;
 
 /* What is said of a vehicle that wants to join: T would not be certified, the brake margin would be too small, nothing. */
@@ -21,7 +21,7 @@ typedef struct {
     Instant seen;  /* the platoon at the time of the change */
     double since;  /* time since its last sampling instant [s] */
     Platoon trial; /* the platoon after it */
-    double room[PSP_N]; /* its gaps, with the lengths ahead taken for L */
+    double room[PSP_N]; /* its spacings, with the lengths ahead taken for L */
     double clearance[PSP_N], no_lag[PSP_N], a_min[PSP_N];
 } Work;
 
@@ -33,8 +33,8 @@ bool trial_choose(Work *work);
 /* Samples the trial with the vehicle, with the potential in use or one chosen `anew`. */
 bool trial_join(Work *work, const Joining *joining, bool anew, Verdict *verdict);
 
-/* The nearest gap found at which the vehicle may join, 0 if there is none. */
-bool trial_find_gap(Work *work, const Joining *asked, double *offered);
+/* The nearest spacing found at which the vehicle may join, 0 if there is none. */
+bool trial_find_spacing(Work *work, const Joining *asked, double *offered);
 
 /* Takes the vehicle at index `gone` out of the trial, which is not sampled. */
 void trial_take_out(Work *work, int gone);

@@ -37,9 +37,9 @@ void issue(Actuators *actuators, const Actuation *actuation, double span, int n,
     actuators_settle(actuators, actuation, n, T);
 }
 
-static void gaps_after(int n, const double *s, const double *moved, double *then)
+static void spacings_after(int n, const double *s, const double *moved, double *then)
 {
-    for (int i = 0; i < n - 1; i++) then[i] = psp_gap_after(s[i], moved[i], moved[i + 1]);
+    for (int i = 0; i < n - 1; i++) then[i] = psp_spacing_after(s[i], moved[i], moved[i + 1]);
 }
 
 void predict(const Issued *issued, int n, const double *s, const double *v, double age, const Foreign *foreign,
@@ -54,7 +54,7 @@ void predict(const Issued *issued, int n, const double *s, const double *v, doub
         const double own = issued->lags ? a[i] : work->other[i];
         a[i] = psp_unless_standing(then[i], foreign && !(foreign->automated[i] > 0.5) ? foreign->a[i] : own);
     }
-    gaps_after(n, s, work->moved, predicted->s);
+    spacings_after(n, s, work->moved, predicted->s);
 }
 
 /* The vehicles a time later if they keep their accelerations, down to standstill. */
@@ -64,7 +64,7 @@ static void later(const Predicted *now, int n, double span, Ahead *work)
         ride_steadily(now->v[i], now->a[i], span, &work->v[i], &work->moved[i]);
         work->a[i] = psp_unless_standing(work->v[i], now->a[i]);
     }
-    gaps_after(n, now->s, work->moved, work->s);
+    spacings_after(n, now->s, work->moved, work->s);
 }
 
 /* The law where it is defined: no clearance of 0 or less. */

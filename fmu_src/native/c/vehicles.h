@@ -29,7 +29,7 @@ typedef struct {
 typedef struct {
     int64_t period, violations, n; /* n vehicles; the places behind them hold nothing */
     double fraction, span;         /* [sampling periods] */
-    double x, T_max, cost_acceleration, cost_gaps;
+    double x, T_max, cost_acceleration, cost_spacings;
     double bound;           /* what T has to be below, by the chosen certificate */
     int64_t driven;         /* whether a[0] is that of a leader that drives itself */
     double s[PSP_N - 1], v[PSP_N], a[PSP_N];
@@ -39,7 +39,7 @@ typedef struct {
 /* For whom a potential is wanted, and how it is to be chosen (psp_model/selection/selectors.py). */
 typedef struct {
     int n;               /* vehicles, 1 to PSP_N */
-    const double *s, *v; /* gaps and speeds, leader first */
+    const double *s, *v; /* spacings and speeds, leader first */
     double x;            /* of the leader */
     bool old;
     int source, rollouts;
