@@ -159,6 +159,7 @@
 #define actuators_foresee PSP_NAME(actuators_foresee)
 #define actuators_settle PSP_NAME(actuators_settle)
 #define actuators_rearrange PSP_NAME(actuators_rearrange)
+#define ride_with_stop PSP_NAME(ride_with_stop)
 #define ride_steadily PSP_NAME(ride_steadily)
 #define first_stop PSP_NAME(first_stop)
 

@@ -40,7 +40,7 @@ _OF_THE_LAW = (
     "slope.h",
     "speeds.h",
 )
-_OF_ACTUATORS = ("actuation.c", "actuation.h")
+_OF_ACTUATORS = ("actuation.c", "actuation.h", "actuators.c", "pieces.h", "ride.c", "ride.h")
 _OWN_SOURCES = {  # of each component, by the header that defines an instance; all have what is not listed
     "platoon_model.h": (
         *_OF_THE_LAW,

@@ -9,18 +9,18 @@ import casadi
 from psp_model.law.watching import nearer
 from psp_model.parameters import Actuation, PlatoonParameters, generic
 from psp_model.sampling.uncertain import Errors, contact_bound, spacing_bound, speed_bounds
-from psp_model.vehicles.actuation import (
+from psp_model.vehicles.actuation import limited
+from psp_model.vehicles.braking import hardest
+from psp_model.vehicles.ride import (
     approached,
     faded,
     first_felt,
-    limited,
     nearer_stop,
     turning,
     uninterrupted,
     unless_standing,
     unstopped,
 )
-from psp_model.vehicles.braking import hardest
 
 from .scalar_c import c_function
 

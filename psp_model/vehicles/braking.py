@@ -9,7 +9,7 @@ import numpy as np
 
 from ..law.following import NEAREST, followed_by
 from ..namespaces import Array, Number, array_namespace, smallest
-from .actuation import first_stop, ride, uninterrupted, unless_standing
+from .ride import first_stop, ride, uninterrupted, unless_standing
 
 TINY = 1e-12  # [s] no time is divided by less
 MOST = 12.0  # [m/s2] no road allows harder braking: larger margins are not searched

@@ -12,7 +12,8 @@ from ..law.potential import Potential
 from ..namespaces import Array, Number, array_namespace
 from ..parameters import Actuation, PlatoonParameters
 from ..sampling.hold import spacings_after
-from .actuation import Actuators, Foreign, at_rest, commanded, drive, ride, settle, unless_standing
+from .actuation import Actuators, Foreign, at_rest, commanded, drive, settle
+from .ride import ride, unless_standing
 
 CLOSEST = 1e-3  # [m] a predicted clearance of 0 or less counts as this: the law is not defined there (ours)
 

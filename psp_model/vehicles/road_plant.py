@@ -15,9 +15,10 @@ from ..parameters import Actuation, PlatoonParameters
 from ..sampling.hold import Motion
 from ..sampling.loop import Vector
 from ..state import PlatoonState, read_only, seal
-from .actuation import Actuators, Foreign, unless_standing
+from .actuation import Actuators, Foreign
 from .delayed import Delayed, DelayedVehicles
 from .ideal import STOPPING
+from .ride import unless_standing
 
 LONGEST_DEAD_TIME = 510  # [periods]: as many commands are on their way, and each is remembered (ours)
 

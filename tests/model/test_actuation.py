@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 
 from psp_model import ModelError, validate
 from psp_model.parameters import Actuation
-from psp_model.vehicles.actuation import Actuators, at_rest, commanded, drive, ride, settle
+from psp_model.vehicles.actuation import Actuators, at_rest, commanded, drive, settle
 from psp_model.vehicles.delayed import DelayedVehicles
+from psp_model.vehicles.ride import ride
 
 
 def fine(v: Any, a: Any, command: Any, lag: Any, span: float, steps: int = 20_000) -> tuple[Any, Any]:

@@ -11,12 +11,14 @@ import pytest
 from fmu_src.native import build
 from fmu_src.toolchain.compile import host_platform
 from psp_model.parameters import Actuation
-from psp_model.vehicles.actuation import Foreign, at_rest, commanded, drive, ride, settle
+from psp_model.vehicles.actuation import Foreign, at_rest, commanded, drive, settle
 from psp_model.vehicles.membership import of_members
+from psp_model.vehicles.ride import ride
 
 N, T = 7, 0.01
 EXPORTS = b"""
 #include "actuation.h"
+#include "ride.h"
 #include <stdlib.h>
 #define EXPORTED __attribute__((visibility("default")))
 EXPORTED void *new_actuators(int64_t rows)

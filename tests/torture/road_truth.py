@@ -16,8 +16,9 @@ from psp_model.law.cooperation import ALL_AUTOMATED, Cooperation
 from psp_model.parameters import Actuation
 from psp_model.sampling.exact import exact_period
 from psp_model.sampling.uncertain import Errors, uncertain_exact_period, uncertain_period
-from psp_model.vehicles.actuation import Actuators, drive, ride
+from psp_model.vehicles.actuation import Actuators, drive
 from psp_model.vehicles.prediction import Issued, predict, predictive_command
+from psp_model.vehicles.ride import ride
 
 from .trial import Chunk, Outcome
 

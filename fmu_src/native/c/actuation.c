@@ -9,114 +9,13 @@
 #include <math.h>
 #include <string.h>
 
+#include "pieces.h"
 #include "psp_kernels.h"
+#include "ride.h"
 
-enum { NEWTON_STEPS = 30, BLOCK = 128 };
+enum { BLOCK = 128 };
 
 typedef enum { NO_LAG, ONE_LAG, LAGS } Lags;
-
-int64_t actuators_rows(double longest, double T)
-{
-    const double periods = ceil(longest / T * (1.0 - 1e-9)); /* as many as were meant before rounding */
-    if (!(longest > 0.0)) return 0;
-    return periods <= PSP_QUEUE - 2 ? (int64_t)periods + 2 : -1;
-}
-
-void actuators_begin(Actuators *actuators, int64_t rows)
-{
-    memset(actuators, 0, offsetof(Actuators, queue));
-    actuators->rows = rows;
-}
-
-size_t actuators_ring(const Actuators *actuators) { return (size_t)actuators->rows * sizeof(OnItsWay); }
-
-bool actuators_can_be(const Actuators *actuators, int64_t rows)
-{
-    const Actuators *const at = actuators;
-    if (at->rows != rows || !(0 <= at->count && at->count <= rows)) return false;
-    if (!(at->first == 0 || (0 < at->first && at->first < rows))) return false;
-    for (int i = 0; i < PSP_N; i++) {
-        if (!isfinite(at->a[i]) || !isfinite(at->command[i])) return false;
-    }
-    for (int64_t k = 0; k < rows; k++) { /* also those that wait for a command: they are cheap, and no surprise later */
-        if (!isfinite(at->queue[k].due)) return false;
-        for (int i = 0; i < PSP_N; i++) {
-            if (!isfinite(at->queue[k].a[i])) return false;
-        }
-    }
-    return true;
-}
-
-/* A row by its place among the commands on their way. */
-static const OnItsWay *row(const Actuators *at, int64_t k)
-{
-    const int64_t place = at->first + k;
-    return &at->queue[place < at->rows ? place : place - at->rows];
-}
-
-bool actuators_command(Actuators *actuators, int n, const double *a, double due)
-{
-    double *into = actuators->command;
-    if (actuators->rows > 0) {
-        if (actuators->count == actuators->rows) return false;
-        OnItsWay *const last = (OnItsWay *)row(actuators, actuators->count++);
-        last->due = due;
-        into = last->a;
-    }
-    for (int i = 0; i < PSP_N; i++) into[i] = i < n ? a[i] : 0.0;
-    return true;
-}
-
-const double *actuators_last(const Actuators *actuators)
-{
-    return actuators->count > 0 ? row(actuators, actuators->count - 1)->a : actuators->command;
-}
-
-/* How far one has come through a time tau, in pieces with one command each. */
-typedef struct {
-    const Actuators *of;
-    const double *command; /* in effect */
-    int64_t next;          /* command on its way */
-    double passed, tau, now; /* time since the rows were written, and in this time */
-    bool ended;
-} Pieces;
-
-static Pieces pieces(const Actuators *of, double tau)
-{
-    const Pieces fresh = {of, of->command, 0, 0.0, tau, 0.0, false};
-    return fresh;
-}
-
-/* The same for another time from the end of this one on. */
-static Pieces pieces_after(const Pieces *before, double tau)
-{
-    const double passed = before->passed + before->tau;
-    const Pieces fresh = {before->of, before->command, before->next, passed, tau, 0.0, false};
-    return fresh;
-}
-
-/* The command of the next piece and its length; NULL at the end. */
-static const double *next_piece(Pieces *at, double *span)
-{
-    const double *command = at->command;
-    if (at->ended) return NULL;
-    for (; at->next < at->of->count; at->next++) {
-        const OnItsWay *following = row(at->of, at->next);
-        const double due = following->due - at->passed, begun = at->now;
-        if (due > at->tau) break;
-        at->command = following->a;
-        if (due > begun) {
-            *span = due - begun;
-            at->now = due;
-            at->next++;
-            return command;
-        }
-        command = following->a;
-    }
-    at->ended = true;
-    *span = at->tau - at->now;
-    return command;
-}
 
 /* The actuators at the end of the pieces, their accelerations aside. */
 static void leave_behind(Actuators *actuators, const Pieces *all)
@@ -125,7 +24,7 @@ static void leave_behind(Actuators *actuators, const Pieces *all)
     if (actuators->rows == 0) return;
     actuators->first = (actuators->first + all->next) % actuators->rows;
     actuators->count -= all->next;
-    for (int64_t k = 0; k < actuators->count; k++) ((OnItsWay *)row(actuators, k))->due -= all->tau;
+    for (int64_t k = 0; k < actuators->count; k++) actuators->queue[row_of(actuators, k)].due -= all->tau;
 }
 
 static Lags lags_of(const Actuation *actuation, int n)
@@ -135,51 +34,6 @@ static Lags lags_of(const Actuation *actuation, int n)
         if (lag[i] != lag[0]) return LAGS;
     }
     return lag[0] > 0.0 ? ONE_LAG : NO_LAG;
-}
-
-double first_stop(double v, double a, double command, double lag, double low)
-{
-    double t = a < command ? 0.0 : low, before = -1.0;
-    for (int left = NEWTON_STEPS; left > 0; left--) {
-        const double nearer = lag > 0.0 ? psp_nearer_stop(v, a, command, lag, t, low)
-                                        : psp_nearer_stop_at_once(v, command, t, low);
-        if (nearer == before) return left % 2 ? nearer : t; /* between two numbers, and so it would go on */
-        if (nearer == t) break;                             /* and so it would stay */
-        before = t;
-        t = nearer;
-    }
-    return t;
-}
-
-/* A vehicle that may reverse; without a lag a is the command. */
-static inline void uninterrupted(double v, double a, double command, double lag, double span, double *speed, double *moved)
-{
-    if (lag > 0.0) psp_uninterrupted(v, a, command, lag, span, speed, moved);
-    else psp_unstopped_at_once(v, command, span, speed, moved);
-}
-
-/* Speed and distance where a vehicle may come to a stop on the way, and may drive off again. */
-static void with_stop(double v, double a, double command, double lag, double span, double *then, double *moved)
-{
-    const bool again = a < 0.0 && command > 0.0;
-    const double turn = again ? psp_turning(a, command, lag) : 0.0;
-    const double low = again ? fmin(turn, span) : span;
-    double speed, until, further;
-    uninterrupted(v, a, command, lag, low, &speed, &until);
-    if (!(speed < 0.0)) {
-        *then = fmax(*then, 0.0);
-        return;
-    }
-    uninterrupted(v, a, command, lag, first_stop(v, a, command, lag, low), &speed, &until);
-    uninterrupted(0.0, 0.0, command, lag, again ? fmax(span - turn, 0.0) : 0.0, &speed, &further);
-    *then = fmax(speed, 0.0);
-    *moved = until + further;
-}
-
-void ride_steadily(double v, double a, double span, double *speed, double *moved)
-{
-    psp_unstopped_at_once(v, a, span, speed, moved);
-    if (v + span * fmin(a, 0.0) < 0.0) with_stop(v, a, a, 0.0, span, speed, moved);
 }
 
 /* Some of the vehicles, in whose order all of these are: as many as there is room for on any stack. */
@@ -243,7 +97,7 @@ static inline bool ride_of(const Block *block, const double *restrict told, doub
             const int k = lags == ONE_LAG ? 0 : i;
             psp_unstopped(from, before, command, lag, span, block->gone[k], block->kept[k], &then, &further, &after);
         }
-        if (stopping && stops) with_stop(from, begins, command, lag, span, &then, &further);
+        if (stopping && stops) ride_with_stop(from, begins, command, lag, span, &then, &further);
         any |= stops;
         v[i] = then;
         moved[i] += further;
@@ -355,23 +209,4 @@ void actuators_settle(Actuators *actuators, const Actuation *actuation, int n, d
         settle_block(&block, &all, actuators->a + i);
     }
     leave_behind(actuators, &all);
-}
-
-static void rearrange(double *rows, int n, const int32_t *places, bool backwards)
-{
-    for (int k = 0; k < n; k++) {
-        const int i = backwards ? n - 1 - k : k;
-        rows[i] = places[i] < 0 ? 0.0 : rows[places[i]];
-    }
-    for (int i = n; i < PSP_N; i++) rows[i] = 0.0;
-}
-
-void actuators_rearrange(Actuators *actuators, int n, const int32_t *places)
-{
-    bool backwards = false; /* no row may be overwritten before it has been taken */
-    for (int i = 0; i < n; i++) backwards = backwards || (0 <= places[i] && places[i] < i);
-    rearrange(actuators->a, n, places, backwards);
-    rearrange(actuators->command, n, places, backwards);
-    for (int64_t k = 0; k < actuators->count; k++)
-        rearrange(((OnItsWay *)row(actuators, k))->a, n, places, backwards);
 }

@@ -1,4 +1,4 @@
-/* Vehicles that act late and softly: dead time, first-order lag, limits, standstill; mirrors
+/* Vehicles that act late and softly: dead time, first-order lag, limits; mirrors
  * psp_model/vehicles/actuation.py. */
 #ifndef PSP_ACTUATION_H
 #define PSP_ACTUATION_H
@@ -70,11 +70,5 @@ void actuators_rearrange(Actuators *actuators, int n, const int32_t *places);
 
 /* The actuators a time tau later; nothing but their own state counts. */
 void actuators_settle(Actuators *actuators, const Actuation *actuation, int n, double tau);
-
-/* One vehicle that keeps an acceleration, down to standstill; speed and distance after a time (`ride` without a lag). */
-void ride_steadily(double v, double a, double span, double *speed, double *moved);
-
-/* When the speed falls to 0, which it has at `low`. */
-double first_stop(double v, double a, double command, double lag, double low);
 
 #endif

@@ -7,8 +7,8 @@
 #include <math.h>
 #include <stdbool.h>
 
-#include "actuation.h"
 #include "psp_kernels.h"
+#include "ride.h"
 
 enum { INSTANTS = 200 };
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "psp_kernels.h"
+#include "ride.h"
 
 #define CLOSEST 1e-3      /* [m] as in psp_model/vehicles/prediction.py */
 #define ESTIMATE_TIME 0.2 /* [s] as in psp_model/law/watching.py */
