@@ -101,8 +101,8 @@ def test_the_exact_period_decides_where_it_is_chosen() -> None:
 @pytest.mark.parametrize(
     ("s", "v", "length", "certificate", "key", "words"),
     [
-        ([5.2, 20.0], [0.0, 30.0, 30.0], None, 2, "exact_gap", "vehicle 2 would close its spacing s[2] = 5.2 m to 5 m"),
-        ([8.2, 20.0], [0.0, 30.0, 30.0], [8.0, 5.0, 5.0], 2, "exact_gap", "s[2] = 8.2 m to 8 m within T"),
+        ([5.2, 20.0], [0.0, 30.0, 30.0], None, 2, "exact_spacing", "vehicle 2 would close its spacing s[2] = 5.2 m to 5 m"),
+        ([8.2, 20.0], [0.0, 30.0, 30.0], [8.0, 5.0, 5.0], 2, "exact_spacing", "s[2] = 8.2 m to 8 m within T"),
         ([8.2, 20.0], [0.0, 30.0, 30.0], [8.0, 5.0, 5.0], 1, "lemma1_length", "the length of the vehicle ahead, 8 m"),
     ],
 )
@@ -212,8 +212,8 @@ def test_the_gap_offered_has_the_brake_margin(seed: int) -> None:
     road = OpenPlatoon(platoon, 7, lambda s, v: BEST_FIXED, (1, 2, 3, 4), 4, asked)
     place, speed, length = int(rng.integers(0, 5)), float(rng.uniform(25, 33)), float(rng.uniform(4, 8))
     with_it, refused = road.insert(place, 7.0 + length, speed, 0, 0.0, length)
-    if refused is not None and np.isfinite(refused.gap):
-        with_it, refused = road.insert(place, refused.gap, speed, 0, 0.0, length)
+    if refused is not None and np.isfinite(refused.spacing):
+        with_it, refused = road.insert(place, refused.spacing, speed, 0, 0.0, length)
         assert refused is None
     if refused is None:
         now, made = with_it.platoon.now, with_it.platoon.loop.controller
