@@ -25,9 +25,13 @@ communication point that is a sampling instant the outputs are those just after 
 <p>A vehicle joins when <code>insert</code> rises above 0.5, and leaves when <code>remove</code> does: at the
 communication point where the input is set, when the next step begins; if both, one leaves first. This is a sampling
 instant of its own, followed by a replan of <code>alpha</code>, <code>r</code>, <code>p</code> for the new initial
-state. A vehicle joins only if Lemma 1 certifies <code>T</code> for the platoon with it; if not,
-<code>change_ok</code> is 0, <code>gap_offered</code> is a spacing that would be accepted, and a warning is
-logged.</p>"""
+state. A vehicle joins only if <code>T</code> is certified for the platoon with it, as <code>certificate</code> says,
+and if the platoon then has the brake margin <code>join_brake_margin</code>; if not, <code>change_ok</code> is 0,
+<code>gap_offered</code> is a spacing that would be accepted, and a warning is logged.</p>
+<p>With <code>leader_automated</code> = 0 vehicle 1 drives itself: set <code>leader_speed</code> and
+<code>leader_acceleration</code> at every sampling instant, the latter as what is held until the next. They act when the
+next step begins, from that instant on. The network, and the rollouts with <code>parameter_source</code> = 3, judge by
+the paper's law.</p>"""
 _SAMPLING = {
     "PspController": """<p>The sampling instants are at start + <code>phase</code> + k <code>T</code>, independent of
 the communication step. At a communication point that is a sampling instant, set the inputs, step the controller, and

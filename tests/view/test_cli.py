@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
@@ -262,6 +263,24 @@ def test_certify_says_who_when_and_how_much():
     assert bad.exit_code == 1 and "not certified from t = 0 s" in bad.stdout
     start = psp("certify", "--start-only", "--set", "potential=1", "--set", "T=60 ms", "--seed", "1")
     assert start.exit_code == 1 and "largest" not in start.stdout
+
+
+def test_certify_goes_by_the_certificate_and_takes_the_extended_law():
+    words = ["--set", "T=0.1", "--duration", "2 s", "--seed", "1", "--set", "parameter_source=2"]
+    lemma1 = psp("certify", *words)
+    assert lemma1.exit_code == 1 and "T_max = " in lemma1.stdout
+    exact = psp("certify", *words, "--set", "certificate=2", "--set", "kappa=0.5", "--set", "length[2]=5.5 m")
+    assert exact.exit_code == 0 and "T_exact = " in exact.stdout and "T_max" not in exact.stdout
+    long = psp("certify", *words, "--set", "length[2]=50 m")
+    assert long.exit_code == 2 and "must exceed the length of vehicle 2, 50 m" in long.stderr
+
+
+def test_compare_takes_the_extended_law():
+    words = ["compare", "--duration", "1 s", "--json", "-"]
+    plain, viscous, told = (
+        json.loads(psp(*words, *more).stdout)["runs"] for more in ([], ["--set", "kappa=1"], ["--set", "length[1]=5 m"])
+    )
+    assert plain != viscous and plain == told
 
 
 def test_figures_of_choice_are_drawn(tmp_path):

@@ -51,16 +51,25 @@ static double go_back(Model *model, const Clock *before, double from)
     return time;
 }
 
+/* Takes what is told of the leader, unless there is nothing to take. */
+static inline bool take_leader(Backend *backend)
+{
+    const double *values = backend->model.values;
+    Part *part = &backend->model.part;
+    Platoon *platoon = &part->platoon;
+    const Instant *now = &platoon->now;
+    if (values[PSP_leader_automated] == 1.0 && !platoon->leader.driven) return true;
+    return platoon_take_leader(platoon, backend->front, values,
+                               part->period == now->period && part->fraction == now->fraction);
+}
+
 fmi2Status backend_do_step(Backend *backend, double from, double size, double *reached)
 {
     Model *model = &backend->model;
     Part *part = &model->part;
     Platoon *platoon = &part->platoon;
-    const bool here = part->period == platoon->now.period && part->fraction == platoon->now.fraction;
     model->stale = 1;
-    if (size > 0.0 && (!platoon_take_leader(platoon, backend->front, model->values, here) ||
-                       !part_make_changes(part, backend->front, model->values)))
-        return fmi2Error;
+    if (size > 0.0 && (!take_leader(backend) || !part_make_changes(part, backend->front, model->values))) return fmi2Error;
     const Clock before = model->clock;
     fmi2Status status = fmi2Error;
     if (!clock_pass(&model->clock, from, size, platoon->T)) {
