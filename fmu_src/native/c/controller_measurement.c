@@ -48,8 +48,8 @@ static bool bad_speed(char *text, int vehicle, double speed, double v_max)
 
 static double clipped(double value, double low, double high) { return fmin(fmax(value, low), high); }
 
-/* Takes spacings and speeds of n vehicles, those that miss the state space by rounding as its bounds.  Under policy 1, which asks
- * for spacings above L + v_max T, a spacing of L or less is refused all the same.  With lengths, L is where vehicles touch. */
+/* Takes spacings and speeds of n vehicles, those that miss the state space by rounding as its bounds.  Under policy 1, which
+ * asks for spacings above L + v_max T, one of L or less is refused all the same.  With lengths, L is where vehicles touch. */
 static bool take_motion(const Settings *settings, int n, const Measurement *measured, Basis *basis, char *text)
 {
     const double L = settings->constants.L, v_max = settings->constants.v_max, above_L = nextafter(L, INFINITY);
