@@ -22,8 +22,7 @@ from psp_model.law.potential import PotentialParameters
 from psp_model.membership import OpenPlatoon, Refusal
 from psp_model.platoon import SampledPlatoon
 from psp_model.sampling.clock import Clock
-from psp_model.sampling.loop import exact_at
-from psp_model.sampling.period import room
+from psp_model.sampling.period import exact_period_of, room
 from psp_model.sampling.policy import Sampling
 from psp_model.selection.feasible import require_feasible
 from psp_model.selection.selectors import Selector, lies_in_domain, selector_for
@@ -220,7 +219,8 @@ class PspPlatoon(TableSlave):
         if self._exact_known or platoon is None or self._exact not in references:
             return values
         now = platoon.now
-        self._values[self._exact] = min(exact_at(platoon.loop, now.vehicles, now.a, now.memory), LONGEST)
+        found = exact_period_of(platoon.loop.controller, now.vehicles, now.a, now.memory)
+        self._values[self._exact] = min(float(found), LONGEST)
         self._exact_known = True
         return super()._get(references, integer)
 

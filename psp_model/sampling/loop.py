@@ -15,14 +15,13 @@ from numpy.typing import NDArray
 
 from ..errors import ModelError
 from ..law.controller import Controller, TimedController
-from ..law.extended import behind_leader
 from ..law.potential import Potential
 from ..parameters import ObjectiveWeights
 from ..state import read_only, seal
-from .exact import exact_period, exact_violation
+from .exact import exact_violation
 from .hold import DoubleIntegrators, Moving, Plant
 from .lemma1 import violation
-from .period import automated, hold, lemma1_period, room
+from .period import automated, exact_period_of, hold, lemma1_period, room
 
 Vector = NDArray[np.float64]
 Cost = tuple[float, float]
@@ -252,7 +251,7 @@ def _sampled(
     memory, a = _decided(loop, at, vehicles, memory, since)
     T_exact, bound = None, (T_max := float(lemma1_period(loop.controller, vehicles, a)))
     if loop.exact:
-        bound = T_exact = exact_at(loop, vehicles, a, memory)
+        bound = T_exact = float(exact_period_of(loop.controller, vehicles, a, memory))
     certified, span = bound > loop.T, 1.0
     if loop.shorten:
         while not span * loop.T < bound and span > SHORTEST:
@@ -272,22 +271,3 @@ def _decided(
         return loop.controller.decide(memory, vehicles.s, vehicles.v)
     law = cast(TimedController[object], loop.controller)
     return law.decide_after(memory, vehicles.s, vehicles.v, since, at[1] == 0.0)
-
-
-def exact_at(loop: Loop, vehicles: Moving, a: Vector, memory: object) -> float:
-    """The exact period for accelerations that are held from now on (ours).
-
-    Parameters
-    ----------
-    loop : what it is made of
-    vehicles : state of the plant
-    a : (n,) accelerations [m/s2]
-    memory : of the controller that decided them
-
-    Returns
-    -------
-    T_exact [s]
-    """
-    law, v = loop.controller, vehicles.v
-    by_itself = getattr(memory, "leader", None) is not None
-    return float(exact_period(room(law, vehicles.s), v, a, law.constants, behind_leader(v) if by_itself else None))

@@ -8,6 +8,7 @@ from ..law.extended import behind_leader
 from ..namespaces import Array
 from ..objective import running_cost
 from ..parameters import ObjectiveWeights
+from .exact import exact_period
 from .hold import Moving, Plant, Vehicles
 from .lemma1 import largest_period
 
@@ -43,6 +44,24 @@ def lemma1_period(controller: Controller[Memory], vehicles: Moving, a: Array) ->
     (...) array [s]
     """
     return largest_period(room(controller, vehicles.s), vehicles.v, a, controller.constants, automated(controller, a))
+
+
+def exact_period_of(controller: Controller[Memory], vehicles: Moving, a: Array, memory: object) -> Array:
+    """T_exact for the commands of a controller, likewise (ours).
+
+    Parameters
+    ----------
+    controller, vehicles, a : as for `lemma1_period`
+    memory : of the controller that decided them
+
+    Returns
+    -------
+    (...) array [s]
+    """
+    v = vehicles.v
+    leads_itself = getattr(memory, "leader", None) is not None
+    foreign = behind_leader(v) if leads_itself else None
+    return exact_period(room(controller, vehicles.s), v, a, controller.constants, foreign)
 
 
 def room(controller: Controller[Memory], s: Array) -> Array:
