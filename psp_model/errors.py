@@ -140,8 +140,6 @@ SENTENCES = {
     "exact_controller": "T = %.10g s is not below T_exact = %.10g s at t = %.10g s, after which the commands held "
     "would take a spacing to its limit or a speed out of [0, v_max]: choose T < %.10g s, or lemma1_policy 2",
     "older_input": "the inputs are %.10g s old, and vehicles can be predicted from %.10g s at most: measure more often",
-    "commands": "actuation_delay = %.10g s means %d commands of T = %.10g s on their way, more than the %d that can be "
-    "remembered: raise T, or lower actuation_delay",
     "full": "the platoon is full (%d vehicles): remove one first, or build the FMU for more",
     "place": "%s = %.10g must be a whole number from %d to %d: name a vehicle of the platoon",
     "last": "the last vehicle cannot leave: a platoon has at least 1",

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from functools import cached_property
-from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,7 +98,7 @@ class ControllerSettings:
         validate(self.errors)
         if self.predicts and not self.oldest >= 0.0:
             delay, T = self.actuation.actuation_delay, self.sampling.T
-            raise ModelError("commands", delay, ceil(delay / T) + 2, T, MOST_COMMANDS)
+            raise ModelError("dead_time", delay, MOST_COMMANDS - 2, T)
         if not self.request.old:
             require_feasible(self.request.fixed, self.constants)
         return self

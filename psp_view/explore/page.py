@@ -93,8 +93,8 @@ class Explorer:
         """
         s, v = StartDomain().draw(np.random.default_rng(seed), self.vehicles, 1)
         self._held = True
-        for i, gap in enumerate(s[:, 0], start=2):
-            self.sliders[f"s[{i}]"].value = float(gap)
+        for i, spacing in enumerate(s[:, 0], start=2):
+            self.sliders[f"s[{i}]"].value = float(spacing)
         for i, speed in enumerate(v[:, 0], start=1):
             self.sliders[f"v[{i}]"].value = float(speed)
         self._held = False
@@ -103,10 +103,10 @@ class Explorer:
     def choice(self) -> Choice:
         """The values of the sliders."""
         read = {name: float(slider.value) for name, slider in self.sliders.items()}
-        gaps = tuple(read[f"s[{i}]"] for i in range(2, self.vehicles + 1))
+        spacings = tuple(read[f"s[{i}]"] for i in range(2, self.vehicles + 1))
         speeds = tuple(read[f"v[{i}]"] for i in range(1, self.vehicles + 1))
         alpha = min(max(10 ** read["alpha"], ALPHA_MIN), ALPHA_MAX)
-        return Choice(bool(self.potential.value), alpha, read["r"], read["p"], gaps, speeds)
+        return Choice(bool(self.potential.value), alpha, read["r"], read["p"], spacings, speeds)
 
     def update(self) -> None:
         """Run the model for the values of the sliders, and show the result."""

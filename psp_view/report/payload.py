@@ -76,7 +76,7 @@ def _run(case: Case) -> dict[str, Any]:
     return {
         "name": case.name,
         "T": case.setup.sampling.T,
-        "gap": _table(run.time, run.s),
+        "spacing": _table(run.time, run.s),
         "acceleration": _table(run.time, run.a),
         "speed": _table(run.time, run.v),
         "place": _table(run.time, moving_frame(run, case.setup.start.constants.v_star)),

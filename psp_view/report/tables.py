@@ -136,8 +136,8 @@ def start(cases: Sequence[Case]) -> str:
     starts = [case.setup.start for case in cases]
     rows = []
     for i in range(starts[0].v.size):
-        gap = shared(f"{one.s[i - 1]:.10g}" for one in starts) if i else ""
-        rows.append([str(i + 1), gap, shared(f"{one.v[i]:.10g}" for one in starts)])
+        spacing = shared(f"{one.s[i - 1]:.10g}" for one in starts) if i else ""
+        rows.append([str(i + 1), spacing, shared(f"{one.v[i]:.10g}" for one in starts)])
     return table(["vehicle", "spacing ahead [m]", "speed [m/s]"], rows)
 
 

@@ -83,7 +83,7 @@ def test_scrubbing_shows_the_runs_at_that_time(report, cases, moment):
     for k, case in enumerate(cases):
         run = case.run
         row = int(np.argmin(np.abs(run.time - moment)))
-        spacing, push = number(text(report, f"#now-{k}-gap")), number(text(report, f"#now-{k}-acceleration"))
+        spacing, push = number(text(report, f"#now-{k}-spacing")), number(text(report, f"#now-{k}-acceleration"))
         assert spacing == pytest.approx(run.s[row].min(), abs=THINNING * np.ptp(run.s) + 0.006)
         assert push == pytest.approx(np.abs(run.a[row]).max(), abs=THINNING * np.ptp(run.a) + 0.006)
         assert number(text(report, f"#now-{k}-T_max")) == pytest.approx(run.T_max[row], rel=0.01, abs=6e-5)

@@ -135,7 +135,7 @@ static bool plan_prediction(Front *front, Settings *settings)
     settings->predicts = delay > 0.0 || settings->lags || settings->max_age <= PREDICTED_AGE;
     if (!settings->predicts) return true;
     settings->oldest = fmin(fmin(settings->max_age, PREDICTED_AGE), (PSP_QUEUE - 2) * T - delay);
-    REQUIRE(settings->oldest >= 0.0, PSP_SENTENCE_commands, delay, (int)fmin(ceil(delay / T) + 2.0, 2e9), T, PSP_QUEUE);
+    REQUIRE(settings->oldest >= 0.0, PSP_SENTENCE_dead_time, delay, PSP_QUEUE - 2, T);
     settings->rows = actuators_rows(settings->oldest + delay, T);
     if (settings->rows < 0) settings->rows = PSP_QUEUE; /* the quotient was rounded up */
     return true;

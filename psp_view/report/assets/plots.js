@@ -1,7 +1,7 @@
 "use strict";
 // The plots: a row per quantity, a plot per run, drawn when they come into view and linked in time.
 const ROWS = [
-  ["gap", "spacing [m]", 2, "m"],
+  ["spacing", "spacing [m]", 2, "m"],
   ["acceleration", "acceleration [m/s²]", 1, "m/s²"],
   ["speed", "speed [m/s]", 1, "m/s"],
 ];

@@ -23,7 +23,7 @@ class Road {
     canvas.setAttribute("aria-label", "vehicles of " + run.name);
     document.getElementById("lanes").append(figure);
     const spans = figure.querySelectorAll("span");
-    ["gap", "acceleration", "T_max"].forEach((field, i) => { spans[i].id = `now-${k}-${field}`; });
+    ["spacing", "acceleration", "T_max"].forEach((field, i) => { spans[i].id = `now-${k}-${field}`; });
     new ResizeObserver(() => this.element && this.draw(k)).observe(canvas);
     return { run, canvas, spans };
   }
@@ -85,14 +85,14 @@ class Road {
     const pen = canvas.getContext("2d");
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     pen.clearRect(0, 0, width, height);
-    const places = at(run.place, this.time), gaps = at(run.gap, this.time), pushes = at(run.acceleration, this.time);
+    const places = at(run.place, this.time), spacings = at(run.spacing, this.time), pushes = at(run.acceleration, this.time);
     const [left, right] = this.view(places), scale = width / (right - left), x = (metres) => (metres - left) * scale;
     this.dashes(pen, x, left, right, scale, height);
     const colours = this.data.palette[dark() ? "dark" : "light"];
     const length = Math.max(0.84 * this.data.L * scale, 2);
     places.forEach((place, i) => this.car(pen, x(place), height, length, colours[i], pushes[i] < -0.5, i + 1));
-    this.gapLabels(pen, places, gaps, x, scale, height, length);
-    spans[0].textContent = "smallest spacing " + Math.min(...gaps).toFixed(2) + " m";
+    this.spacingLabels(pen, places, spacings, x, scale, height, length);
+    spans[0].textContent = "smallest spacing " + Math.min(...spacings).toFixed(2) + " m";
     spans[1].textContent = "largest |acceleration| " + Math.max(...pushes.map(Math.abs)).toFixed(2) + " m/s²";
     spans[2].textContent = "T_max " + at(run.T_max, this.time)[0].toFixed(4) + " s";
   }
@@ -125,13 +125,13 @@ class Road {
     }
   }
 
-  gapLabels(pen, places, gaps, x, scale, height, length) {
-    if (gaps[0] === undefined || 9 * scale - length < 4) return;
+  spacingLabels(pen, places, spacings, x, scale, height, length) {
+    if (spacings[0] === undefined || 9 * scale - length < 4) return;
     pen.fillStyle = ink("--soft");
     pen.font = "10px system-ui, sans-serif";
     pen.textAlign = "center";
-    gaps.forEach((gap, i) => {
-      if (gap * scale - length > 34) pen.fillText(gap.toFixed(1) + " m", (x(places[i]) - length + x(places[i + 1])) / 2, height / 2);
+    spacings.forEach((spacing, i) => {
+      if (spacing * scale - length > 34) pen.fillText(spacing.toFixed(1) + " m", (x(places[i]) - length + x(places[i + 1])) / 2, height / 2);
     });
   }
 }
