@@ -55,7 +55,7 @@ def test_speed_bounds_are_exact(name: str) -> None:
         assert bool(((after > 0) & (after < V_MAX)).all()) is inside
 
 
-def test_spacing_period_is_exact_for_the_worst_speeds() -> None:
+def test_spacing_bound_is_exact_for_the_worst_speeds() -> None:
     """Leader standing, follower at v_max: the spacing falls to L in exactly (s - L)/v_max."""
     s, v, a = np.array([5.7]), np.array([0.0, V_MAX]), np.zeros(2)
     bound = float(largest_period(s, v, a, CONSTANTS))
