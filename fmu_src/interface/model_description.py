@@ -94,20 +94,24 @@ def _model_structure(root: Element, table: Sequence[Variable]) -> None:
     outputs, unknowns = SubElement(structure, "Outputs"), SubElement(structure, "InitialUnknowns")
     index = {variable.name: place for place, variable in enumerate(table, start=1)}
     parameters = [name for name, place in index.items() if table[place - 1].causality == "parameter"]
-    all_inputs = [place for name, place in index.items() if table[place - 1].input]
+    knowns = len(parameters) + sum(variable.input for variable in table)
+    made: dict[tuple[int, int], tuple[dict[str, str], dict[str, str]]] = {}  # many outputs share a tuple of names
 
-    def unknown(parent: Element, place: int, dependencies: Sequence[int], every: int) -> None:
-        listed = {} if len(dependencies) == every > MOST_LISTED else {"dependencies": " ".join(map(str, dependencies))}
-        SubElement(parent, "Unknown", {"index": str(place)} | listed)
+    def listed(places: Sequence[int], every: int) -> dict[str, str]:
+        return {} if len(places) == every > MOST_LISTED else {"dependencies": " ".join(map(str, places))}
 
     for variable in table:
         if variable.causality != "output":
             continue
-        known = parameters if variable.initial_dependencies is None else variable.initial_dependencies
-        place, inputs = index[variable.name], sorted(index[name] for name in variable.dependencies)
-        at_start = sorted({*inputs, *(index[name] for name in known)})
-        unknown(outputs, place, inputs, len(all_inputs))
-        unknown(unknowns, place, at_start, len(all_inputs) + len(parameters))
+        shared = id(variable.dependencies), id(variable.initial_dependencies)
+        if shared not in made:
+            known = parameters if variable.initial_dependencies is None else variable.initial_dependencies
+            inputs = sorted(index[name] for name in variable.dependencies)
+            at_start = sorted({*inputs, *(index[name] for name in known)})
+            made[shared] = listed(inputs, knowns - len(parameters)), listed(at_start, knowns)
+        place = {"index": str(index[variable.name])}
+        SubElement(outputs, "Unknown", place | made[shared][0])
+        SubElement(unknowns, "Unknown", place | made[shared][1])
 
 
 def model_description(component: Component, table: Sequence[Variable]) -> bytes:
