@@ -203,7 +203,7 @@ def build_native_fmu(fmu: NativeFmu, output: Path, platforms: Sequence[str] | No
         "model.png": (_HERE.parent / "model.png").read_bytes(),
     }
     packed |= fmu.more
-    guid = guid_of(content_digest(packed | fmu.sources("") | {"table": repr((component, fmu.table)).encode()}))
+    guid = guid_of(content_digest(packed | fmu.sources("") | {"table": model_description(component, fmu.table)}))
     sources = fmu.sources(guid)
     names = tuple(sorted(name for name in sources if name.endswith(".c")))
     packed["modelDescription.xml"] = model_description(replace(component, guid=guid, source_files=names), fmu.table)

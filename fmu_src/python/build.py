@@ -119,7 +119,7 @@ def pack_slave(
     packed = dict(more or {}) | _fixed_files(name, networks)
     packed |= {"documentation/index.html": index_page(component, config["vehicles"], table, notes)}
     sources = model_sources(name)
-    digest = content_digest(packed | sources | {"table": repr((component, table)).encode()})
+    digest = content_digest(packed | sources | {"table": model_description(component, table)})
     packed |= _generated_files(component, table, config, digest) | renamed(sources, digest[:12])
     path = output / f"{name}.fmu"
     write_fmu(path, packed)

@@ -84,10 +84,9 @@ def test_hundreds_of_loads_hold_no_more_than_a_few(python_fmu):
 @pytest.mark.parametrize("signal", ["SIGINT", "SIGTERM", "SIGALRM"])
 def test_a_signal_reaches_the_host_with_every_step_whole(python_fmu, tmp_path, signal):
     """Also where the host's handler raises something else than KeyboardInterrupt."""
-    steps = 2000
-    found = _host("interrupted", python_fmu.path, tmp_path / "a", steps, signal)
+    found = _host("interrupted", python_fmu.path, tmp_path / "a", 2000, signal)
     assert found["messages"] == [] and found["caught"] > 5
-    assert found["outputs"] == _without_signals(python_fmu.path, tmp_path / "b", steps)
+    assert found["outputs"] == _without_signals(python_fmu.path, tmp_path / "b", found["steps"])
 
 
 def test_an_instance_may_be_freed_while_python_ends(python_fmu, tmp_path):
