@@ -176,7 +176,7 @@ SENTENCES = {
     "wave_period": "period = %.10g s must be positive: give the wave a time above 0 s",
     "profile_file": "the speed profile %s cannot be read (%s): give a CSV file with time [s] and speed [m/s]",
     "profile_line": "line %d of the speed profile %s, '%s', is not two numbers with a comma between them: write time "
-    "[s] and speed [m/s]",
+    "[s] and speed [m/s], or a heading that names the columns time and speed",
     "profile_rows": "the speed profile %s has %d rows of time and speed: give it at least 2",
     "profile_time": "time %.10g s in row %d of the speed profile %s does not come after %.10g s: let times increase",
     "profile_speed": "speed %.10g m/s in row %d of the speed profile %s must lie in [0, %.10g] m/s: use a part of "

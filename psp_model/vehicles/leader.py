@@ -162,7 +162,8 @@ class Profile:
 def read_profile(path: Path, v_max: float = PlatoonParameters.v_max) -> Profile:
     """A speed profile from a CSV file: time [s] and speed [m/s] in two columns, below any comments (#) and one heading.
 
-    Time counts from the first row: recorded clocks begin anywhere.
+    Of more columns those that the heading calls time and speed count, or speed1 where there are several vehicles.  Time
+    counts from the first row: recorded clocks begin anywhere.
 
     Parameters
     ----------
@@ -195,14 +196,23 @@ def profile_of(text: str, name: str = "profile", v_max: float = PlatoonParameter
     """
     lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1)]
     filled = [(number, line) for number, line in lines if line and not line.startswith("#")]
+    columns = _columns(filled[0][1]) if filled else None
     rows = []
     for place, (number, line) in enumerate(filled):
         try:
-            time, speed = map(float, line.split(","))
-        except ValueError:
+            cells = line.split(",")
+            time, speed = map(float, cells if columns is None else (cells[column] for column in columns))
+        except (ValueError, IndexError):
             if place == 0:
                 continue  # the heading
             raise ModelError("profile_line", number, name, line[:40]) from None
         rows.append((time, speed))
     found = Profile([time for time, _ in rows], [speed for _, speed in rows], name, v_max)
     return replace(found, times=[time - found.times[0] for time in found.times])
+
+
+def _columns(heading: str) -> tuple[int, int] | None:
+    """Where time and speed stand in a table of more than two columns; None where the heading does not say."""
+    names = [name.strip().strip('"').lower() for name in heading.split(",")]
+    speed = next((name for name in ("speed", "speed1", "v") if name in names), None)
+    return (names.index("time"), names.index(speed)) if len(names) > 2 and "time" in names and speed else None

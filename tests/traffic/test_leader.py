@@ -9,7 +9,7 @@ from build_fmu import main as build
 from harness import ERROR, OK, Instance, Unpacked
 from lives import life
 from psp_model import ModelError
-from psp_model.vehicles.leader import Profile, read_profile
+from psp_model.vehicles.leader import Profile, profile_of, read_profile
 from psp_traffic.scenario import WLTC_HIGH
 
 TIMES, SPEEDS = [0.0, 2.0, 3.0, 7.0], [10.0, 12.0, 4.0, 34.0]
@@ -38,6 +38,8 @@ def test_the_part_of_the_wltc_lies_inside_the_state_space_and_never_stands():
         ("", "profile_rows", "has 0 rows"),
         ("time,speed\n0,1\n1,x\n", "profile_line", "line 3"),
         ("# 1\n0,1\n1;2\n", "profile_line", "'1;2'"),
+        ("time,speed1,speed2\n0,1,2\n1\n", "profile_line", "'1'"),
+        ("time,gap,other\n0,1,2\n1,2,3\n", "profile_line", "line 2"),
         ("0,1\n0,2\n", "profile_time", "row 2"),
         ("0,1\n1,36.5\n", "profile_speed", "36.5 m/s in row 2"),
         ("0,1\n1,-0.1\n", "profile_backwards", "[0, 35] m/s"),
@@ -197,3 +199,9 @@ def test_a_profile_belongs_to_the_leader(tmp_path, capsys):
     assert build(options) == 2
     assert "takes no --profile" in capsys.readouterr().err
     assert not list(tmp_path.glob("*.fmu"))
+
+
+def test_of_a_recording_of_several_vehicles_the_first_one_s_speed_counts() -> None:
+    text = '# recorded\n"IVS1", "Time" ,Speed1,speed2\n9.0,100.0,20.0,1.0\n8.0,100.5,21.0,2.0\n'
+    found = profile_of(text)
+    assert found.times == (0.0, 0.5) and found.speeds == (20.0, 21.0)
