@@ -219,3 +219,77 @@ def test_the_spacing_offered_has_the_brake_margin(seed: int) -> None:
         now, made = with_it.platoon.now, with_it.platoon.loop.controller
         room = clearances(now.s, made.cooperation, C)  # type: ignore[attr-defined]
         assert brake_margin(room, Braking(now.v, now.a, 0.0, 0.0, -6.0)) >= asked.brake_margin
+
+
+def with_leader(start: PlatoonState, leader: DrivenLeader | None, T: float, **fields: Any) -> SampledPlatoon:
+    """A platoon that is not certified, or is, by the exact period."""
+    make = law(leader=leader, T=T, **fields)
+    return SampledPlatoon.begin(
+        start, BEST_FIXED, sampling=Sampling(T, Lemma1Policy.WARN, **EXACT), controller=make, warn=WARNED.append
+    )
+
+
+WARNED: list[str] = []
+
+
+def test_a_leader_who_drives_himself_may_leave_the_speed_limits_but_not_touch() -> None:
+    """His speed's bound does not count for the exact period, his acceleration does for the spacing behind him."""
+    start = PlatoonState([20.0, 20.0], [34.0, 30.0, 30.0])
+    now = with_leader(start, DrivenLeader(34.0, 20.0), 0.01).now
+    assert now.a[0] == pytest.approx(20.0) and (34.0 - C.v_max) / -20.0 < 0.1 < now.T_exact
+    alone = float(exact_period([1e9], start.v[1:], now.a[1:]))
+    braking = with_leader(PlatoonState([6.0, 20.0], [20.0, 30.0, 30.0]), DrivenLeader(20.0, -5.0), 0.01).now
+    a = braking.a
+    assert now.T_exact == alone
+    relative = np.roots([0.5 * (a[0] - a[1]), -10.0, 1.0])
+    assert braking.T_exact == pytest.approx(float(relative[relative > 0].real.min()), rel=1e-9)
+
+
+def test_a_leader_who_reaches_v_max_at_the_end_of_the_period_costs_no_certificate() -> None:
+    now = with_leader(PlatoonState([40.0, 40.0], [34.9, 30.0, 30.0]), DrivenLeader(34.9, 10.0), 0.2).now
+    assert (C.v_max - 34.9) / now.a[0] <= 0.2 + 1e-9 and now.violations == 0 and now.T_exact > 0.2
+
+
+@pytest.mark.parametrize("certificate", list(Certificate))
+def test_the_nearest_vehicle_is_the_one_with_the_least_clearance(certificate: Certificate) -> None:
+    """Not the one with the least spacing."""
+    length = np.array([12.0, 5.0, 5.0])
+    make, start = law(cooperation=Cooperation(length=length), T=0.2), PlatoonState([12.3, 9.0], [20.0, 30.0, 30.0])
+    warned: list[str] = []
+    sampling = Sampling(0.2, Lemma1Policy.WARN, certificate=certificate)
+    now = SampledPlatoon.begin(start, BEST_FIXED, sampling=sampling, controller=make, warn=warned.append).now
+    with pytest.raises(ModelError) as caught:
+        sampling = Sampling(0.2, Lemma1Policy.ERROR, certificate=certificate)
+        SampledPlatoon.begin(start, BEST_FIXED, sampling=sampling, controller=make)
+    assert str(caught.value) == warned[0] and "s[2] = 12.3 m" in warned[0] and "12 m" in warned[0]
+    assert 0.0 < now.bound < 0.2 and caught.value.values[1] == now.bound
+
+
+def test_a_decision_taken_once_more_counts_once_and_forgets_nothing() -> None:
+    start = PlatoonState([30.0, 30.0], [25.0, 25.0, 25.0])
+    fields = {"cooperation": Cooperation(closing_speed=0.6)}
+    platoon = with_leader(start, DrivenLeader(25.0, 0.0), 0.05, **fields)
+    platoon.advance_to(40, 0.0)
+    before = platoon.now
+    again, _ = redecide(platoon.loop, before)
+    assert again.memory.closing[1] == before.memory.closing[1] > 0.0  # type: ignore[attr-defined]
+    assert again.cost == before.cost and again.violations == before.violations
+    np.testing.assert_array_equal(again.a, before.a)
+    tight = with_leader(PlatoonState([5.1, 30.0], [20.0, 30.0, 25.0]), DrivenLeader(20.0, 0.0), 0.1)
+    assert tight.now.violations == 1
+    assert redecide(tight.loop, tight.now)[0].violations == 1  # taken back, and counted anew
+    exactly = tight.now._replace(T_exact=0.1)
+    assert redecide(tight.loop, exactly)[0].violations == 1  # T is certified only below the bound
+
+
+def test_a_change_between_instants_goes_on_with_what_was_remembered() -> None:
+    """Closing up has been engaged for the time passed since, no more and no less."""
+    start = PlatoonState([40.0, 40.0], [25.0, 25.0, 25.0])
+    platoon = with_leader(start, None, 0.05, cooperation=Cooperation(closing_speed=0.6))
+    platoon.advance_to(40, 0.0)
+    before, seen = platoon.now, platoon.observe(40, 0.5)
+    changed = platoon.take_over(40, 0.5, float(seen.x[0]), seen.s, seen.v, BEST_FIXED, memory=before.memory).now
+    full = 0.6 * np.array([0.0, 1.0, 2.0])
+    closing = before.memory.closing  # type: ignore[attr-defined]
+    expected = closing + (1.0 - exp(-0.025 / 2.0)) * (full - closing)
+    np.testing.assert_allclose(changed.memory.closing, expected, rtol=1e-9)  # type: ignore[attr-defined]
