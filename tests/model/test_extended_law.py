@@ -31,8 +31,8 @@ from psp_model import (
 from psp_model.law.cooperation import clearances
 from psp_model.law.extended import behind_leader, driven
 from psp_model.membership import JoinMargin
-from psp_model.sampling.hold import advance
-from psp_model.sampling.loop import redecide
+from psp_model.sampling.hold import Motion, advance
+from psp_model.sampling.loop import Verdict, redecide, refusal
 from psp_model.vehicles.braking import Braking
 
 C = PlatoonParameters()
@@ -293,3 +293,12 @@ def test_a_change_between_instants_goes_on_with_what_was_remembered() -> None:
     closing = before.memory.closing  # type: ignore[attr-defined]
     expected = closing + (1.0 - exp(-0.025 / 2.0)) * (full - closing)
     np.testing.assert_allclose(changed.memory.closing, expected, rtol=1e-9)  # type: ignore[attr-defined]
+
+
+def test_who_has_touched_is_told_by_clearance() -> None:
+    """Not by spacing: those behind a truck have the larger one."""
+    make = law(cooperation=Cooperation(length=np.array([12.0, 5.0, 5.0])), T=0.01)
+    platoon = SampledPlatoon.begin(PlatoonState([20.0, 7.0], [20.0, 20.0, 20.0]), BEST_FIXED, controller=make)
+    touching = platoon.now._replace(vehicles=Motion(0.0, np.array([11.5, 7.0]), platoon.now.v))
+    error = refusal(platoon.loop, touching, Verdict.OUTSIDE)
+    assert error.key == "left_length" and error.values[:3] == (2, 11.5, 12.0)
