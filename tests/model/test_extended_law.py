@@ -32,6 +32,7 @@ from psp_model.law.cooperation import clearances
 from psp_model.law.extended import behind_leader, driven
 from psp_model.membership import JoinMargin
 from psp_model.sampling.hold import Motion, advance
+from psp_model.sampling.lemma1 import of_commanded
 from psp_model.sampling.loop import Verdict, redecide, refusal
 from psp_model.vehicles.braking import Braking
 
@@ -240,7 +241,7 @@ def test_a_leader_who_drives_himself_may_leave_the_speed_limits_but_not_touch() 
     alone = float(exact_period([1e9], start.v[1:], now.a[1:]))
     braking = with_leader(PlatoonState([6.0, 20.0], [20.0, 30.0, 30.0]), DrivenLeader(20.0, -5.0), 0.01).now
     a = braking.a
-    assert now.T_exact == alone
+    assert now.T_exact == now.T_max == alone
     relative = np.roots([0.5 * (a[0] - a[1]), -10.0, 1.0])
     assert braking.T_exact == pytest.approx(float(relative[relative > 0].real.min()), rel=1e-9)
 
@@ -302,3 +303,30 @@ def test_who_has_touched_is_told_by_clearance() -> None:
     touching = platoon.now._replace(vehicles=Motion(0.0, np.array([11.5, 7.0]), platoon.now.v))
     error = refusal(platoon.loop, touching, Verdict.OUTSIDE)
     assert error.key == "left_length" and error.values[:3] == (2, 11.5, 12.0)
+
+
+def test_between_nominal_instants_a_driven_leader_holds_his_acceleration() -> None:
+    """Periods are cut for the others' sake; at the next nominal instant he is where his profile says."""
+    leader = DrivenLeader(30.0, 1.0)
+    start = PlatoonState([5.3, 30.0], [29.0, 20.0, 20.0])
+    platoon = SampledPlatoon.begin(
+        start, BEST_FIXED, sampling=Sampling(0.1, Lemma1Policy.SHORTEN), controller=law(leader=leader, T=0.1)
+    )
+    first = platoon.now
+    platoon.advance_to(0, 0.9)
+    cut = platoon.now
+    assert cut.fraction > 0.0 and cut.a[0] == first.a[0] == pytest.approx(11.0)
+    platoon.advance_to(1, 0.0)
+    assert platoon.now.v[0] == pytest.approx(30.1) and platoon.now.a[0] == pytest.approx(0.0)
+
+
+def test_bounds_of_speeds_count_for_those_who_are_commanded() -> None:
+    of_speeds = np.array([1.0, 2.0, 3.0])
+    np.testing.assert_array_equal(of_commanded(of_speeds, np.array([0.0, 0.5, 1.0])), [np.inf, np.inf, 3.0])
+    assert of_commanded(of_speeds, None) is of_speeds
+    casadi = pytest.importorskip("casadi")
+    bounds, flags = casadi.SX.sym("b", 2), casadi.SX.sym("f", 2)
+    found = casadi.Function("f", [bounds, flags], [of_commanded(bounds, flags)])([1.0, 2.0], [0.0, 1.0])
+    assert found.full().ravel().tolist() == [np.inf, 2.0]
+    jax = pytest.importorskip("jax")
+    np.testing.assert_array_equal(jax.jit(of_commanded)(of_speeds, np.array([0.0, 0.5, 1.0])), [np.inf, np.inf, 3.0])
