@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from math import ceil, isfinite
@@ -28,6 +29,7 @@ START = {  # where the FMUs start with the paper's values, which knows no such v
     "a_max": 4.0,
 }
 CLEARANCE = 9.0  # [m] at the start, beyond the time gap, where no spacing is given
+_REPORTS = ("T_max", "T_exact", "brake_margin", "certified", "in_order")  # of the controller, fields of BehindLeader
 _BELIEF = ("actuation_delay", "actuator_lag")  # of the controller; the vehicles have --delay and --lag
 
 
@@ -94,12 +96,11 @@ def columns_of(run: BehindLeader) -> Any:
     ----------
     run : what became of the platoon
     """
-    single = ("T_max", "T_exact", "brake_margin", "certified", "in_order")
     columns = {"time": run.time}
     for name, first in (("x", 1), ("v", 1), ("s", 2), ("clearance", 2), ("a", 1), ("command", 1)):
         table = getattr(run, name)
         columns |= {f"{name}[{i}]": table[:, i - first] for i in range(first, first + table.shape[1])}
-    columns |= {name: getattr(run, name) for name in single}
+    columns |= {name: getattr(run, name) for name in _REPORTS}
     result = np.empty(len(run.time), dtype=[(name, float) for name in columns])
     for name, column in columns.items():
         result[name] = column
@@ -212,11 +213,11 @@ class _Road:
             self.controller.references([*_named("a", every), *reports]),
         )
         rows: list[list[float]] = []
-        past: list[list[float]] = []
+        past: deque[list[float]] = deque(maxlen=late + 1)
         for k in range(steps + 1):
             time = k * T
             (own,), seen = self.leader.get(of_leader), self.plant.get(of_plant)
-            past = [*past[-late:], [*seen[: len(motion)], own, time]] if late else [[*seen[: len(motion)], own, time]]
+            past.append([*seen[: len(motion)], own, time])
             self.controller.set(inputs, past[0])
             self.controller.step(time, T)
             given = self.controller.get(outputs)
@@ -234,10 +235,7 @@ class _Road:
 def _columns(rows: Any, n: int) -> dict[str, Any]:
     """The columns of a run by what they are."""
     widths = {"time": 1, "s": n - 1, "v": n, "x": n, "clearance": n - 1, "a": n, "command": n}
-    widths |= dict.fromkeys(("T_max", "T_exact", "brake_margin", "certified", "in_order"), 1)
+    widths |= dict.fromkeys(_REPORTS, 1)
     ends = np.cumsum(list(widths.values()))
     parts = dict(zip(widths, np.split(rows, ends[:-1], axis=1), strict=True))
-    return {name: part[:, 0] if name in _SINGLE else part for name, part in parts.items()}
-
-
-_SINGLE = {"time", "T_max", "T_exact", "brake_margin", "certified", "in_order"}
+    return {name: part[:, 0] if name in ("time", *_REPORTS) else part for name, part in parts.items()}

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from functools import cache
 from pathlib import Path
 from typing import Any
-from weakref import WeakValueDictionary
 
 from psp_model.errors import parts_of
+from psp_traffic.messages import callbacks
 
 from .bad_input import BadInput
 
@@ -38,8 +37,7 @@ class Instance:
         self._variables = {variable.name: variable for variable in model.modelVariables}
         self.warnings: list[str] = []
         self._errors: list[str] = []
-        self._callbacks = _callbacks()
-        _LISTENING[fmu.stem] = self
+        self._callbacks = callbacks(fmu.stem, self.hear)
         identifier = model.coSimulation.modelIdentifier
         self._slave = FMU2Slave(
             guid=model.guid, unzipDirectory=unpacked, modelIdentifier=identifier, instanceName=fmu.stem
@@ -125,33 +123,3 @@ class Instance:
         """Free it, wherever it is."""
         with suppress(Exception):  # fmpy says of a failed step what has been said already
             self._slave.freeInstance()
-
-
-_LISTENING: WeakValueDictionary[str, Instance] = WeakValueDictionary()
-"""Who takes messages, by the name of the instance."""
-
-
-def _say(_environment: Any, name: bytes, status: int, _category: bytes, message: bytes) -> None:
-    instance = _LISTENING.get(name.decode())
-    if instance is not None:
-        instance.hear(status, message.decode(errors="replace"))
-
-
-@cache
-def _logger() -> Any:
-    """One logger for all instances, never replaced: fmpy's proxy passes all messages to the last one registered."""
-    from fmpy.fmi2 import fmi2CallbackLoggerTYPE
-
-    return fmi2CallbackLoggerTYPE(_say)
-
-
-def _callbacks() -> Any:
-    from ctypes import byref
-
-    from fmpy.fmi2 import addLoggerProxy, defaultCallbacks, fmi2CallbackFunctions
-
-    found = fmi2CallbackFunctions()
-    found.logger, found.allocateMemory = _logger(), defaultCallbacks.allocateMemory
-    found.freeMemory = defaultCallbacks.freeMemory
-    addLoggerProxy(byref(found))
-    return found

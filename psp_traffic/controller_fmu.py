@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping, Sequence
-from ctypes import byref, c_double, c_int, c_size_t, c_uint32, c_void_p
-from functools import cache, partial
+from ctypes import c_double, c_int, c_size_t, c_uint32, c_void_p
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import TrafficError
+from .messages import callbacks
 
 Vector = NDArray[np.float64]
 
@@ -76,27 +77,9 @@ class ControllerFmu:
 _LOG = logging.getLogger("psp_traffic")
 
 
-def _say(environment: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
-    _LOG.log(logging.WARNING if status == 1 else logging.ERROR, "%s: %s", name.decode(), message.decode())
-
-
-@cache
-def _logger() -> Any:
-    """One logger for all instances, never replaced: fmpy's proxy passes all messages to the last one registered."""
-    from fmpy.fmi2 import fmi2CallbackLoggerTYPE
-
-    return fmi2CallbackLoggerTYPE(_say)
-
-
-def _callbacks() -> Any:
-    """The callbacks of an instance; its messages go to Python's logging."""
-    from fmpy.fmi2 import addLoggerProxy, defaultCallbacks, fmi2CallbackFunctions
-
-    found = fmi2CallbackFunctions()
-    found.logger, found.allocateMemory = _logger(), defaultCallbacks.allocateMemory
-    found.freeMemory = defaultCallbacks.freeMemory
-    addLoggerProxy(byref(found))
-    return found
+def _log(name: str, status: int, sentence: str) -> None:
+    """A message of an instance goes to Python's logging."""
+    _LOG.log(logging.WARNING if status == 1 else logging.ERROR, "%s: %s", name, sentence)
 
 
 class Platoon:
@@ -122,7 +105,7 @@ class Platoon:
     ):
         from fmpy.fmi2 import FMU2Slave
 
-        self._callbacks = _callbacks()
+        self._callbacks = callbacks(name, partial(_log, name))
         model = fmu.description
         identifier = model.coSimulation.modelIdentifier
         self._slave = FMU2Slave(
